@@ -115,6 +115,7 @@ enum class Id : std::uint8_t {
   speed_jump_a,
   kinematics,
   ganged_axis,
+  rotary_axis,
   dead_man,
   stop_at_error,
   program_dead_man,
@@ -395,6 +396,10 @@ inline constexpr std::array<Row, setting_count> table{{
      "0 Cartesian, 1 CoreXY (motor X turns by X + Y, motor Y by X - Y); from the next start on"},
     {966, "ganged_axis", "0..3", 0, 3'000, 0, true, Scope::jobs, Rule::equal,
      "axis whose second motor is that of A: 0 none, 1 X, 2 Y, 3 Z; from the next start on"},
+    {967, "rotary_axis", "0..2", 0, 2'000, 0, true, Scope::programs, Rule::any,
+     "what A of programs is: 0 a length, 1 degrees, without limit of travel, 2 the same, and "
+     "absolute "
+     "positions are reached the shortest way round"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false, Scope::jobs,
      Rule::not_more_zero_unlimited,
      "silence of the host in a job before a controlled stop; 0 = never"},

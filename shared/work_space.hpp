@@ -31,8 +31,15 @@ constexpr std::int32_t steps_from_milli(std::int64_t milli_mm, std::int32_t mill
 /// Positions beyond this are refused even without soft limits: displacements stay in 32 bits.
 inline constexpr std::int32_t max_position_steps = 1 << 29;
 
-/// The work space from the settings, or the maximum without soft limits; axes that the machine
-/// lacks stay at 0.
+/// A, the only axis that can be rotary ($967).
+inline constexpr int rotary_axis = 3;
+/// Places of the axis are degrees, and it has no limit of travel.
+constexpr bool is_rotary(const settings::Values& values, int axis) {
+  return axis == rotary_axis && values.whole(settings::Id::rotary_axis) != 0;
+}
+
+/// The work space from the settings, or the maximum without soft limits and of a rotary axis; axes
+/// that the machine lacks stay at 0.
 constexpr StepLimits work_space(const settings::Values& values) {
   using settings::Id;
   StepLimits limits;
@@ -40,7 +47,7 @@ constexpr StepLimits work_space(const settings::Values& values) {
     const std::int64_t corner = values.milli(Id::min_corner_x, axis);
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
     const auto i = static_cast<std::size_t>(axis);
-    if (values.whole(Id::soft_limits) == 0) {
+    if (values.whole(Id::soft_limits) == 0 || is_rotary(values, axis)) {
       limits.min[i] = -max_position_steps;
       limits.max[i] = max_position_steps;
       continue;

@@ -7,20 +7,30 @@ namespace {
 
 using settings::Id;
 
-/// Position of the machine and speed along its path.
+/// Position of the machine and its speed as F means it: that of the linear axes along their path,
+/// or that of a rotary axis which moves alone (program/rotary.hpp).
 void report_motion(ReportedStatus& status, const stepper::MotionState& motion,
                    const settings::Values& values) {
   std::uint64_t squares = 0;
+  std::uint32_t rotary = 0;
+  bool linear_axes_rest = true;
   for (int a = 0; a < status.axes; ++a) {
     const stepper::AxisState& axis = motion.axis[index(a)];
     const auto steps_per_mm_milli = static_cast<std::uint32_t>(values.milli(Id::steps_per_mm_x, a));
     status.machine_e7[index(a)] = place_of(axis, values, a);
     const std::int64_t steps_per_min =
         (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
-    const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
-    squares += wide_product(static_cast<std::uint32_t>(um_min), static_cast<std::uint32_t>(um_min));
+    const auto um_min =
+        static_cast<std::uint32_t>(mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli));
+    if (is_rotary(values, a)) {
+      rotary = um_min;
+    } else {
+      squares += wide_product(um_min, um_min);
+      if (axis.speed_q62 != 0) linear_axes_rest = false;
+    }
   }
-  status.feed_um_min = isqrt(squares);
+  status.feed_in_degrees = linear_axes_rest && rotary != 0;
+  status.feed_um_min = status.feed_in_degrees ? rotary : isqrt(squares);
 }
 
 /// A bit for each of pin_letters.
@@ -106,8 +116,7 @@ void MachineConsole::send_status_line() {
   if (link_.room() < status_room) return;
   TextLine line;
   reporter_.begin(line, reported_status(),
-                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)),
-                  values_.whole(Id::report_inches) != 0);
+                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)), inch_axes(values_));
   add_beats(line);
   line.add(">\r\n");
   if (link_.send_text(line.view())) status_line_due_ = false;

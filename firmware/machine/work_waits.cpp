@@ -49,7 +49,7 @@ bool MachineWork::end_probe() {
 
 void MachineWork::report_offsets(int first, int end) {
   const ReportedOffsets offsets{reader_.kept().parameters, reader_.interpreter().modal(), probe_,
-                                values_.whole(Id::axes), values_.whole(Id::report_inches) != 0};
+                                values_.whole(Id::axes), inch_axes(values_)};
   for (int i = first; i < end; ++i) {
     TextLine line;
     write_offset(line, i, offsets);

@@ -31,8 +31,8 @@ namespace lamplock::program {
 class Expressions {
  public:
   /// As Predefined.
-  Expressions(const State* const& state, const Parameters& parameters)
-      : predefined_(state, parameters) {}
+  Expressions(const State* const& state, const Parameters& parameters, const std::uint8_t& rotary)
+      : predefined_(state, parameters, rotary) {}
 
   /// Whether a value that is not a plain number begins at this index of the line.
   [[gnu::cold]] bool begins_at(std::string_view line, std::uint16_t index);

@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "firmware/program/rotary.hpp"
+
 namespace lamplock::program {
 
 [[gnu::hot]] Fault Interpreter::run(std::string_view line) {
@@ -117,7 +119,7 @@ void Interpreter::begin_curve() {
     curve_.begin_nurbs(nurbs_request());
   else
     curve_.begin_spline(spline_request());
-  if (plan_.time_us != 0)
+  if (plan_.time_us != 0 || plan_.is_rotary_arc())
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
 }
 
@@ -306,6 +308,8 @@ bool Interpreter::give_curve(Action& action) {
   }
   fill_move(action, false);
   if (action.timed) action.time_us = share_.next(end);
+  if (plan_.is_rotary_arc())
+    action.feed_um_min = feed_of_all_axes(plan_.feed_um_min, share_.step_to(end), end, false);
   if (!curve_.active()) done(Stage::curve);
   action.programmed_end = !plan_.has(Stage::curve);
   action.target_e7 = action.programmed_end ? state_->machine_e7 : state_->rotations().turned(end);

@@ -234,7 +234,7 @@ class Interpreter {
   std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet
   Parameters& parameters_;
   const Options& options_;
-  Expressions expressions_{state_, parameters_};
+  Expressions expressions_{state_, parameters_, options_.rotary};
 };
 
 }  // namespace lamplock::program

@@ -165,7 +165,7 @@ std::int64_t Predefined::position_e9(std::uint32_t axis) const {
   std::int64_t e7 = state_->programmed_e7[axis] - parameters_.systems_e7[modal.system][axis];
   if (modal.shifted) e7 -= parameters_.shift_e7[axis];
   if (modal.tool_length && axis == 2) e7 -= parameters_.tool_length_e7;
-  return in_units(e7, modal.inches);
+  return in_units(e7, modal.inches && (*results.rotary >> axis & 1u) == 0);
 }
 
 std::int64_t Predefined::value_e9(std::uint32_t number) const {

@@ -16,18 +16,20 @@ namespace lamplock::program {
 
 inline constexpr std::uint32_t max_predefined = 5602;
 
-/// What the machine has found out for the program.
+/// What the machine has found out for the program, and what A is.
 struct Results {
   Place probe_e7{};  ///< where the last probe met, machine coordinates
   bool probe_met = false;
   std::int8_t input = 0;  ///< of the last M66: 1 on, 0 off, -1 after the time-out
+  /// A bit for A if it is in degrees (Options::rotary). Here it needs no room of its own.
+  const std::uint8_t* rotary;
 };
 
 class Predefined {
  public:
-  /// The first must outlive this object; it points to the state in force.
-  Predefined(const State* const& state, const Parameters& parameters)
-      : state_(state), parameters_(parameters) {}
+  /// All must outlive this object; the first points to the state in force.
+  Predefined(const State* const& state, const Parameters& parameters, const std::uint8_t& rotary)
+      : results{.rotary = &rotary}, state_(state), parameters_(parameters) {}
 
   /// Of a number from 5001 to 5602; 0 if it has no meaning here.
   [[gnu::cold]] std::int64_t value_e9(std::uint32_t number) const;

@@ -98,7 +98,9 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
 }
 
 [[gnu::hot]] std::int64_t Statement::axis_e7(int axis) const {
-  return length_e7(block_.axis(axis), after_.modal.inches);
+  if (after_.modal.inches) [[unlikely]]
+    return inch_axis_e7(axis);
+  return length_e7(block_.axis(axis), false);
 }
 
 [[gnu::hot]] std::int64_t Statement::offset_e7(int axis) const {
@@ -289,40 +291,6 @@ bool Statement::move_is_asked() const {
   return true;
 }
 
-/// M126 to M128.
-bool Statement::pulses() {
-  if (!needed('P', block_.column(Group::pulses))) return false;
-  const std::uint16_t code = block_.code(Group::pulses);
-  return code == 126 ? pulses_on() : code == 127 ? pulse_rate() : pulse_length();
-}
-
-bool Statement::pulses_on() {
-  std::uint32_t on = 0;
-  if (!integer('P', on)) return false;
-  if (on > 1) return fail_at('P', GcodeError::out_of_range);
-  after_.modal.pulses.on = on == 1 ? Pulses::Switch::on : Pulses::Switch::off;
-  return true;
-}
-
-/// Pulses per millimetre, or per inch.
-bool Statement::pulse_rate() {
-  const std::int64_t milli = scaled(block_.word('P'), 1, 3);
-  constexpr std::int64_t tenths_mm_per_inch = 254;
-  const std::int64_t per_mm =
-      after_.modal.inches ? (milli * 10 + tenths_mm_per_inch / 2) / tenths_mm_per_inch : milli;
-  std::uint32_t& rate = after_.modal.pulses.milli_per_mm;
-  if (!unsigned_value('P', per_mm, GcodeError::out_of_range, rate)) return false;
-  return rate <= max_pulses_milli || fail_at('P', GcodeError::out_of_range);
-}
-
-bool Statement::pulse_length() {
-  std::uint32_t& length = after_.modal.pulses.length_ns;
-  if (!unsigned_value('P', scaled(block_.word('P'), 1, 3), GcodeError::out_of_range, length))
-    return false;
-  return (length >= min_pulse_ns && length <= max_pulse_ns) ||
-         fail_at('P', GcodeError::out_of_range);
-}
-
 [[gnu::hot]] bool Statement::dwell() {
   if (block_.code(Group::once) != 40) return true;
   plan_.add(Stage::dwell);
@@ -394,38 +362,6 @@ bool Statement::pulse_length() {
   }
 }
 
-bool Statement::set_system() {
-  const std::uint16_t column = block_.column(Group::once);
-  std::uint32_t kind = 0, number = 0;
-  const bool has_words = block_.axes() != 0 || block_.has('R');
-  if (!has_words) return fail(GcodeError::no_axis_words, column);
-  if (!needed('L', column) || !needed('P', column)) return false;
-  if (!integer('L', kind) || !integer('P', number)) return false;
-  if (kind == 1 || kind == 10 || kind == 11) return enter_tool(kind, number);
-  if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
-  if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
-  return set_origin(kind, number == 0 ? after_.modal.system : number - 1);
-}
-
-bool Statement::shift() {
-  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, block_.column(Group::once));
-  // Axes without a word keep the active shift.
-  Place place = after_.modal.shifted ? parameters_.shift_e7 : Place{};
-  for (int i = 0; i < options_.axes; ++i) {
-    if ((block_.axes() >> i & 1u) == 0) continue;
-    std::int64_t& value = place[index(i)];
-    const std::int64_t others = offset_e7(i) - value;
-    value = after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside(value, 2 * max_position_e7, GcodeError::out_of_range, block_.axis(i).column))
-      return false;
-  }
-  changes_.place = place;
-  changes_.add(static_cast<int>(ParameterRow::shift));
-  after_.modal.shifted = true;
-  block_.take_axes();
-  return true;
-}
-
 // --- the end of the line ----------------------------------------------------------------------
 
 [[gnu::hot]] bool Statement::stop() {
@@ -438,27 +374,6 @@ bool Statement::shift() {
 [[gnu::hot]] bool Statement::rest() {
   const std::uint16_t column = block_.first_unused();
   return column == 0 || fail(GcodeError::words_unused, column);
-}
-
-// --- jog --------------------------------------------------------------------------------------
-
-Fault Statement::check_jog(std::string_view line) {
-  const Modal modal = after_.modal;
-  read(line, true);
-  if (!fault_) jog();
-  if (fault_) plan_.stages = 0;
-  after_.modal = modal;
-  return fault_;
-}
-
-bool Statement::jog() {
-  after_.modal.feed_mode = FeedMode::per_minute;
-  after_.modal.motion = Motion::line;
-  after_.modal.feed = 0;
-  plan_.jog = true;
-  if (!codes() || !line_number()) return false;
-  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, 1);
-  return feed() && cut_move() && rest();
 }
 
 }  // namespace lamplock::program

@@ -29,6 +29,8 @@ namespace lamplock::program {
 /// Values from the machine and its settings.
 struct Options {
   int axes = 3;                            ///< X Y Z A from the front; words of others are error 20
+  std::uint8_t rotary = 0;                 ///< a bit for A if it is in degrees ($967)
+  bool shortest_way = false;               ///< absolute places of a rotary axis are reached so
   std::int64_t arc_tolerance_e7 = 20'000;  ///< 10^-7 mm, above 0 ($12; 0.002 mm as in grbl)
   std::int64_t clearance_e7 = 2'540'000;   ///< of G73 and G83; LinuxCNC's 0.01 in
   std::uint32_t blend_um = 0;              ///< of a G64 without P
@@ -100,13 +102,14 @@ struct Plan {
   /// the block begins, the other one is points[0].
   std::array<std::uint32_t, 2> weights_e6{};
   IoRequest io;  ///< set where a stage needs it
+  bool rotary;   ///< set with an arc: the rotary axis moves, and F is not for the path of all axes
   // Places are only set where a stage needs them.
   Place start;  ///< of a curve, programmed
   /// Intermediate place of G28; the centre of an arc; both control points of a spline. Programmed.
   std::array<Place, 2> points;
 
   void add(Stage stage) { stages |= 1u << static_cast<int>(stage); }
-  /// Clears everything but places.
+  /// Clears everything that is not set where it is needed.
   void clear() {
     stages = line = feed_um_min = time_us = dwell_us = turns = pieces = 0;
     motion = Motion::rapid;
@@ -118,6 +121,7 @@ struct Plan {
   /// stops.
   bool moves() const { return stages >> static_cast<int>(Stage::dwell) != 0; }
   bool has(Stage stage) const { return (stages >> static_cast<int>(stage) & 1u) != 0; }
+  bool is_rotary_arc() const { return is_arc(motion) && rotary; }
 };
 
 /// Changes of the parameters by a line.
@@ -267,6 +271,8 @@ class Statement {
   bool drill_holes(const Place& first);
 
   bool target(Place& place, bool in_machine);
+  [[gnu::cold]] std::int64_t home_of_axis(int axis, const Place& from, const Place& home) const;
+  [[gnu::cold]] bool rotary_target(Place& place, bool in_machine);
   bool inside(std::int64_t e7, std::int64_t most, GcodeError error, std::uint16_t column);
   bool all_inside(const Place& place, std::uint16_t column);
   bool end_at(const Place& programmed);
@@ -290,6 +296,7 @@ class Statement {
   std::uint16_t centre_column() const;
   std::int64_t fine_length(char letter, int digits) const;
   std::int64_t axis_e7(int axis) const;
+  [[gnu::cold]] std::int64_t inch_axis_e7(int axis) const;
   std::int64_t offset_e7(int axis) const;
 
   // The most used members are first, within reach of short instructions.

@@ -1,4 +1,5 @@
-// Outputs and inputs: M62 to M68. Digital outputs have a P word, analogue ones an E word.
+// Outputs and inputs: M62 to M68, and pulses along the path, M126 to M128. Digital outputs have a P
+// word, analogue ones an E word.
 #include "firmware/program/statement.hpp"
 
 namespace lamplock::program {
@@ -72,6 +73,40 @@ bool Statement::wait_input() {
   if (plan_.io.event == InputEvent::now) return !block_.has('Q') || take('Q');
   if (!needed('Q', column) || !seconds('Q', plan_.wait_us)) return false;
   return plan_.wait_us != 0 || fail_at('Q', GcodeError::not_positive);
+}
+
+/// M126 to M128.
+bool Statement::pulses() {
+  if (!needed('P', block_.column(Group::pulses))) return false;
+  const std::uint16_t code = block_.code(Group::pulses);
+  return code == 126 ? pulses_on() : code == 127 ? pulse_rate() : pulse_length();
+}
+
+bool Statement::pulses_on() {
+  std::uint32_t on = 0;
+  if (!integer('P', on)) return false;
+  if (on > 1) return fail_at('P', GcodeError::out_of_range);
+  after_.modal.pulses.on = on == 1 ? Pulses::Switch::on : Pulses::Switch::off;
+  return true;
+}
+
+/// Pulses per millimetre, or per inch.
+bool Statement::pulse_rate() {
+  const std::int64_t milli = scaled(block_.word('P'), 1, 3);
+  constexpr std::int64_t tenths_mm_per_inch = 254;
+  const std::int64_t per_mm =
+      after_.modal.inches ? (milli * 10 + tenths_mm_per_inch / 2) / tenths_mm_per_inch : milli;
+  std::uint32_t& rate = after_.modal.pulses.milli_per_mm;
+  if (!unsigned_value('P', per_mm, GcodeError::out_of_range, rate)) return false;
+  return rate <= max_pulses_milli || fail_at('P', GcodeError::out_of_range);
+}
+
+bool Statement::pulse_length() {
+  std::uint32_t& length = after_.modal.pulses.length_ns;
+  if (!unsigned_value('P', scaled(block_.word('P'), 1, 3), GcodeError::out_of_range, length))
+    return false;
+  return (length >= min_pulse_ns && length <= max_pulse_ns) ||
+         fail_at('P', GcodeError::out_of_range);
 }
 
 }  // namespace lamplock::program

@@ -54,6 +54,8 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
       return false;
   }
   block_.take_axes();
+  if ((block_.axes() & options_.rotary) != 0) [[unlikely]]
+    return rotary_target(place, in_machine);
   return true;
 }
 
@@ -99,7 +101,7 @@ bool Statement::at_home() {
     if (!all_inside(end, block_.axis_column(axes))) return false;
   }
   for (int i = 0; i < options_.axes; ++i)
-    if (axes == 0 || (axes >> i & 1u) != 0) end[index(i)] = home[index(i)];
+    if (axes == 0 || (axes >> i & 1u) != 0) end[index(i)] = home_of_axis(i, end, home);
   plan_.add(Stage::home);
   return end_at_machine(end);
 }
@@ -180,6 +182,7 @@ bool Statement::arc() {
   if ((block_.axes() & in_plane) == 0 && !full_circle())
     return fail_axes(GcodeError::no_axis_in_plane, block_.axes());
   plan_.motion = after_.modal.motion;
+  plan_.rotary = false;
   plan_.add(Stage::curve);
   Place end;
   if (!target(end, false) || !arc_turns()) return false;

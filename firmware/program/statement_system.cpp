@@ -1,4 +1,4 @@
-// Coordinate systems in a statement: their choice, origins (G10 L2, L20) and rotations, and G68.
+// Coordinate systems in a statement: their choice, origins (G10 L2, L20) and rotations, G68, G92.
 #include "firmware/program/statement.hpp"
 #include "shared/fixed_point.hpp"
 
@@ -70,6 +70,20 @@ bool Statement::rotation() {
   return true;
 }
 
+/// G10.
+bool Statement::set_system() {
+  const std::uint16_t column = block_.column(Group::once);
+  std::uint32_t kind = 0, number = 0;
+  const bool has_words = block_.axes() != 0 || block_.has('R');
+  if (!has_words) return fail(GcodeError::no_axis_words, column);
+  if (!needed('L', column) || !needed('P', column)) return false;
+  if (!integer('L', kind) || !integer('P', number)) return false;
+  if (kind == 1 || kind == 10 || kind == 11) return enter_tool(kind, number);
+  if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
+  if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
+  return set_origin(kind, number == 0 ? after_.modal.system : number - 1);
+}
+
 /// G10 L2 and L20 of coordinate system `row`.
 bool Statement::set_origin(std::uint32_t kind, std::size_t row) {
   changes_.place = parameters_.systems_e7[row];
@@ -117,6 +131,26 @@ void Statement::origin_of_position() {
   const Place moved = difference(position, rotation.turned(way));
   for (int i = 0; i < options_.axes; ++i)
     if ((axes >> i & 1u) != 0) origin[index(i)] = moved[index(i)];
+}
+
+/// G92.
+bool Statement::shift() {
+  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, block_.column(Group::once));
+  // Axes without a word keep the active shift.
+  Place place = after_.modal.shifted ? parameters_.shift_e7 : Place{};
+  for (int i = 0; i < options_.axes; ++i) {
+    if ((block_.axes() >> i & 1u) == 0) continue;
+    std::int64_t& value = place[index(i)];
+    const std::int64_t others = offset_e7(i) - value;
+    value = after_.programmed_e7[index(i)] - others - axis_e7(i);
+    if (!inside(value, 2 * max_position_e7, GcodeError::out_of_range, block_.axis(i).column))
+      return false;
+  }
+  changes_.place = place;
+  changes_.add(static_cast<int>(ParameterRow::shift));
+  after_.modal.shifted = true;
+  block_.take_axes();
+  return true;
 }
 
 }  // namespace lamplock::program

@@ -26,8 +26,10 @@ namespace lamplock::cutting {
 struct Contour {
   std::vector<Edge> edges;
   bool closed = false;  ///< the last edge ends exactly where the first begins
+  model::FillRule fill_rule = model::FillRule::even_odd;  ///< of its area
   std::uint32_t layer = 0;
   model::Colour colour = model::no_colour;  ///< of its first curve in the file
+  std::uint32_t area = 0;                   ///< as of model::Path, of its first curve
 };
 
 /// mm along lines and arcs.
@@ -70,7 +72,8 @@ struct Fault {
 };
 
 struct JoinOptions {
-  /// Ends nearer than this are joined, contours that differ by less are duplicates. mm.
+  /// Ends nearer than this are joined, the nearest first; contours that differ by less are
+  /// duplicates, unless they are short against it. mm.
   double tolerance_mm = 0.01;
   /// Ellipses and splines deviate from the arcs that replace them by at most this. mm.
   double curve_tolerance_mm = model::flat_mm;

@@ -1,9 +1,15 @@
 // edges_of(): lines and circles as they are, ellipses and splines as arcs with continuous
-// direction.
+// direction. Nearly straight arcs become lines.
+//
+// Programs of drawings write straight sides as splines or arcs, whose deviation from the chord is
+// the rounding of the file. As arcs they would have radii of kilometres, which neither a program
+// nor the intersection of two edges can hold with the precision of the drawing. So no arc leaves
+// edges_of() that is nearly straight or has such a radius.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -21,14 +27,58 @@ using std::numbers::pi;
 // An ellipse whose radii differ by less, in parts of the larger one, is a circle: the rounding of a
 // drawing with 10 digits.
 constexpr double round_ratio = 1e-9;
-// A curve that is this close to its chord is a line.
+// A curve that is this close to its chord is a line, whatever its directions.
 constexpr double straight_mm = 1e-7;
+// An arc this close to its chord is a line if it turns little: half the tolerance of curves, which
+// is half the last of the three decimals of programs.
+constexpr double nearly_straight_mm = model::flat_mm / 2;
+// An arc that turns further is part of a round shape, however small. A kerf of 0.2 mm makes an arc
+// of model::flat_mm of a corner with this angle.
+constexpr double max_straight_sweep = 0.01;
+// Arcs of larger radii become lines. The radius is the maximum coordinate of the interpreter
+// (firmware/program/value.hpp). grbl computes arcs with the 24 bits of a float, which are 0.001 mm
+// at 8 m.
+constexpr double max_radius_mm = 10'000;
 // 2^-40 of a curve of 10^9 mm is a micrometre.
 constexpr int max_halvings = 40;
 // Two arcs that turn further than this differ too much from any smooth curve between their ends.
 constexpr double max_fitted_sweep = 0.75 * pi;
 
 Vec seen_from_above(const geometry::Point& p) { return {p.x, p.y}; }
+
+/// True if nothing but the number of its radius distinguishes an arc from its chord.
+bool is_nearly_straight(const Edge& arc) {
+  const double sweep = std::abs(arc.sweep);
+  // The sagitta of a small sweep s is r s^2 / 8.
+  return sweep <= max_straight_sweep && length_of(arc) * sweep / 8 <= nearly_straight_mm;
+}
+
+void require_room(const std::vector<Edge>& edges, double more) {
+  if (static_cast<double>(edges.size()) + more > static_cast<double>(model::max_pieces))
+    throw Error(Exit::bad_input, "curve",
+                fmt::format("it needs more than {} lines and arcs", model::max_pieces),
+                "simplify the drawing or use a larger curve tolerance");
+}
+
+/// Appends an edge; of an arc that is nearly straight or too large its chords.
+void append_edge(const Edge& edge, std::vector<Edge>& edges) {
+  double chords = 0;
+  if (!edge.is_line() && is_nearly_straight(edge)) {
+    chords = 1;
+  } else if (!edge.is_line() && radius_of(edge) > max_radius_mm) {
+    const double radius = radius_of(edge);
+    chords = std::ceil(std::abs(edge.sweep) * std::sqrt(radius / (8 * nearly_straight_mm)));
+  }
+  require_room(edges, chords);
+  if (chords == 0) return edges.push_back(edge);
+  const auto count = static_cast<std::size_t>(chords);
+  Vec from = edge.from;
+  for (std::size_t i = 1; i <= count; ++i) {
+    const Vec to = point_at(edge, static_cast<double>(i) / chords);
+    if (from != to) edges.push_back({from, to, {}, 0});
+    from = to;
+  }
+}
 
 /// The arc that leaves `from` in this unit direction and ends at `to`; a line if it is straight.
 Edge tangent_arc(const Vec& from, const Vec& direction, const Vec& to) {
@@ -65,11 +115,27 @@ class CurveFitter {
   CurveFitter(const model::Piece& piece, double tolerance_mm, std::vector<Edge>& edges)
       : piece_(piece), tolerance_(tolerance_mm), edges_(edges) {}
 
+  /// Appends a line if the curve is nearly straight; several lines would have corners that the
+  /// curve does not have.
+  bool append_chord(const model::Range& range) {
+    const Edge chord{at(range.from), at(range.to), {}, 0};
+    if (chord.from == chord.to) return false;
+    const auto is_along_chord = [&](double parameter) {
+      const auto ahead = direction(parameter);
+      const Vec way = chord.to - chord.from;
+      return ahead && dot(*ahead, way) > 0 &&
+             std::abs(cross(*ahead, way)) <= max_straight_sweep / 2 * norm(way);
+    };
+    const Vec middle = at(range.from + (range.to - range.from) / 2);
+    if (distance_to(chord, middle) > nearly_straight_mm || !is_along_chord(range.from) ||
+        !is_along_chord(range.to) || !is_along(range, nearly_straight_mm, chord, chord))
+      return false;
+    edges_.push_back(chord);
+    return true;
+  }
+
   void fit(const model::Range& range, int halvings = max_halvings) {
-    if (edges_.size() > model::max_pieces)
-      throw Error(Exit::bad_input, "curve",
-                  fmt::format("it needs more than {} arcs", model::max_pieces),
-                  "simplify the drawing or use a larger curve tolerance");
+    require_room(edges_, 0);
     const Vec p = at(range.from), q = at(range.to);
     const Edge chord{p, q, {}, 0};
     if (halvings == 0 || is_along(range, straight_mm, chord, chord)) {
@@ -80,8 +146,11 @@ class CurveFitter {
     if (p_dir && q_dir && p != q) {
       const auto arcs = two_arcs(p, *p_dir, q, *q_dir);
       if (arcs && is_along(range, tolerance_, arcs->first, arcs->second)) {
-        edges_.push_back(arcs->first);
-        edges_.push_back(arcs->second);
+        const bool are_straight =
+            is_nearly_straight(arcs->first) && is_nearly_straight(arcs->second);
+        if (are_straight && append_chord(range)) return;
+        append_edge(arcs->first, edges_);
+        append_edge(arcs->second, edges_);
         return;
       }
     }
@@ -131,10 +200,10 @@ void append_circle(const model::Arc& arc, double turn, std::vector<Edge>& edges)
   // Arcs of up to half a turn: their centres follow from their ends without loss of digits.
   if (std::abs(sweep) > pi) {
     const Vec middle = at(arc.start + sweep / 2);
-    edges.push_back({from, middle, centre, signed_sweep / 2});
-    edges.push_back({middle, to, centre, signed_sweep / 2});
+    append_edge({from, middle, centre, signed_sweep / 2}, edges);
+    append_edge({middle, to, centre, signed_sweep / 2}, edges);
   } else if (sweep != 0) {
-    edges.push_back({from, to, centre, signed_sweep});
+    append_edge({from, to, centre, signed_sweep}, edges);
   }
 }
 
@@ -163,12 +232,14 @@ struct PieceEdges {
   void operator()(const model::Spline& spline) const {
     const std::vector<double> breaks = model::breaks_of(spline);
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+      CurveFitter fitter(piece, tolerance_mm, edges);
+      if (fitter.append_chord({breaks[i], breaks[i + 1]})) continue;
       // As many parts as the piece can have inflections.
       const double width = (breaks[i + 1] - breaks[i]) / spline.degree;
       for (int part = 0; part < spline.degree; ++part) {
         const double from = breaks[i] + part * width;
         const double to = part + 1 == spline.degree ? breaks[i + 1] : from + width;
-        CurveFitter(piece, tolerance_mm, edges).fit({from, to});
+        fitter.fit({from, to});
       }
     }
   }

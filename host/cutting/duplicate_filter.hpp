@@ -11,8 +11,10 @@
 
 namespace lamplock::cutting {
 
-/// Removes contours that are the same as an earlier one of their group of layers, wherever they
-/// begin and in whatever direction they run.
+/// Removes contours that are the same as an earlier one of their group of layers, in whatever
+/// direction they run; closed ones wherever they begin. Both must be near each other all along, and
+/// open ones at their ends: by the tolerance, the width of a beam, or a part of their length,
+/// whichever is the smallest.
 class DuplicateFilter {
  public:
   /// `groups`: as in JoinOptions.
@@ -27,7 +29,12 @@ class DuplicateFilter {
   // Without a meaning for drawings.
   static constexpr double part_of_corner = 0.618;
 
-  bool is_same(const Contour& a, const Box& box_a, const Contour& b, const Box& box_b) const;
+  struct Size {
+    Box box;
+    double near_mm;  ///< what is nearer than this may be the same
+  };
+
+  bool is_same(const Contour& a, const Size& size_a, const Contour& b, const Size& size_b) const;
   std::size_t group(const Contour& contour) const {
     return groups_.empty() ? contour.layer : groups_[contour.layer];
   }

@@ -1,6 +1,7 @@
 #include "host/cutting/edge.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -28,9 +29,17 @@ bool share_a_carrier(const Edge& a, const Edge& b, double near_mm) {
          std::abs(cross(along, b.to - a.from)) <= near_mm * length;
 }
 
+/// What rounding adds to a distance from an edge: the coordinates of the centre of an arc are as
+/// large as its radius, and some ten of their roundings add up.
+double rounding_of(const Edge& edge) {
+  constexpr double roundings = 16;
+  return edge.is_line() ? 0 : roundings * std::numeric_limits<double>::epsilon() * radius_of(edge);
+}
+
 void add_if_on_both(std::vector<Vec>& points, const Vec& point, const Edge& a, const Edge& b,
                     double near_mm) {
-  if (is_on(a, point, near_mm) && is_on(b, point, near_mm)) points.push_back(point);
+  if (is_on(a, point, near_mm + rounding_of(a)) && is_on(b, point, near_mm + rounding_of(b)))
+    points.push_back(point);
 }
 
 void cross_lines(std::vector<Vec>& points, const Edge& a, const Edge& b, double near_mm) {
@@ -52,9 +61,12 @@ void cross_line_and_arc(std::vector<Vec>& points, const Edge& line, const Edge& 
   if (half > 0) add_if_on_both(points, foot - along * half, line, arc, near_mm);
 }
 
+/// From the centre of the smaller circle: seen from that of a much larger one, the common chord is
+/// so near to the rim that the length of the chord loses most of its digits.
 void cross_arcs(std::vector<Vec>& points, const Edge& a, const Edge& b, double near_mm) {
   const Vec between = b.centre - a.centre;
   const double apart = norm(between), ra = radius_of(a), rb = radius_of(b);
+  if (ra > rb) return cross_arcs(points, b, a, near_mm);
   if (apart > ra + rb + near_mm || apart < std::abs(ra - rb) - near_mm || apart == 0) return;
   const Vec along = between * (1 / apart);
   const double foot = (apart + (ra - rb) * (ra + rb) / apart) / 2;

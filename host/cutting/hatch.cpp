@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <unordered_map>
 
 #include "host/error.hpp"
 #include "host/geometry/limits.hpp"
@@ -17,6 +19,56 @@ namespace {
 constexpr const char* hatch_place = "hatch";
 // Pieces shorter than this are where a line touches a corner.
 constexpr double min_piece_mm = 1e-6;
+
+/// Where a row crosses an edge.
+struct Crossing {
+  double x;
+  std::uint32_t area;  ///< index in Areas
+  int turn;            ///< 1 if the edge runs to larger y there, -1 if to smaller y
+};
+
+/// The areas of contours, and those that are around the place at which a row is.
+class Areas {
+ public:
+  std::uint32_t index_of(const Contour& contour) {
+    const auto next = static_cast<std::uint32_t>(areas_.size());
+    const auto [entry, is_new] = indices_.try_emplace(contour.area, next);
+    if (is_new) areas_.push_back({contour.area != 0, contour.fill_rule, 0});
+    return entry->second;
+  }
+
+  void start_row() {
+    for (Area& area : areas_) area.turns = 0;
+    count_ = 0;
+    is_odd_ = false;
+  }
+  void cross(const Crossing& crossing) {
+    Area& area = areas_[crossing.area];
+    if (!area.is_numbered) {
+      is_odd_ = !is_odd_;
+      return;
+    }
+    count_ -= is_inside(area) ? 1 : 0;
+    area.turns += crossing.turn;
+    count_ += is_inside(area) ? 1 : 0;
+  }
+  bool are_filled() const { return (count_ > 0) != is_odd_; }
+
+ private:
+  struct Area {
+    bool is_numbered;
+    model::FillRule rule;
+    int turns;  ///< of its outline around the place
+  };
+  static bool is_inside(const Area& area) {
+    return area.rule == model::FillRule::even_odd ? area.turns % 2 != 0 : area.turns != 0;
+  }
+
+  std::unordered_map<std::uint32_t, std::uint32_t> indices_;
+  std::vector<Area> areas_;
+  int count_ = 0;        ///< of areas around the place
+  bool is_odd_ = false;  ///< contours without an area around it
+};
 
 /// Crossings of horizontal lines at the middles of strips with edges, by row.
 class Crossings {
@@ -31,8 +83,8 @@ class Crossings {
   }
 
   /// An arc is divided at its highest and lowest points, so that each part has a row once.
-  void add(const Edge& edge) {
-    if (edge.is_line()) return add_rising({edge, edge.from, edge.to});
+  void add(const Edge& edge, std::uint32_t area) {
+    if (edge.is_line()) return add_rising({edge, edge.from, edge.to, area});
     std::vector<double> parts{0, 1};
     for (const double side : {-1.0, 1.0}) {
       const double part = part_at(edge, edge.centre + Vec{0, side * radius_of(edge)});
@@ -40,11 +92,11 @@ class Crossings {
     }
     std::sort(parts.begin(), parts.end());
     for (std::size_t i = 0; i + 1 < parts.size(); ++i)
-      add_rising({edge, point_at(edge, parts[i]), point_at(edge, parts[i + 1]),
+      add_rising({edge, point_at(edge, parts[i]), point_at(edge, parts[i + 1]), area,
                   point_at(edge, (parts[i] + parts[i + 1]) / 2).x > edge.centre.x});
   }
 
-  std::vector<std::vector<double>>& rows() { return rows_; }
+  std::vector<std::vector<Crossing>>& rows() { return rows_; }
   std::size_t count() const { return count_; }
   double height(std::size_t row) const {
     return low_ + (static_cast<double>(row) + 0.5) * distance_;
@@ -55,6 +107,7 @@ class Crossings {
   struct Part {
     const Edge& edge;
     Vec from, to;
+    std::uint32_t area;
     bool is_right = false;  ///< of the centre of an arc
   };
 
@@ -67,13 +120,13 @@ class Crossings {
       const double y = height(row);
       if (y < low) continue;
       if (y >= high) return;
-      rows_[row].push_back(x_at(part, y));
+      rows_[row].push_back({x_at(part, y), part.area, part.to.y > part.from.y ? 1 : -1});
       ++count_;
     }
   }
 
   static double x_at(const Part& part, double y) {
-    const auto& [edge, from, to, is_right] = part;
+    const auto& [edge, from, to, area, is_right] = part;
     if (edge.is_line()) return from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y);
     const double radius = radius_of(edge), up = y - edge.centre.y;
     const double half = std::sqrt(std::max(0.0, (radius - up) * (radius + up)));
@@ -81,9 +134,28 @@ class Crossings {
   }
 
   double low_, distance_;
-  std::vector<std::vector<double>> rows_;
+  std::vector<std::vector<Crossing>> rows_;
   std::size_t count_ = 0;
 };
+
+/// The filled pieces of a row, along X.
+HatchRow filled_pieces(std::vector<Crossing>& row, Areas& areas, double y) {
+  std::sort(row.begin(), row.end(), [](const Crossing& p, const Crossing& q) { return p.x < q.x; });
+  HatchRow pieces;
+  areas.start_row();
+  bool is_filled = false;
+  double begin = 0;
+  for (const Crossing& crossing : row) {
+    areas.cross(crossing);
+    if (areas.are_filled() == is_filled) continue;
+    is_filled = !is_filled;
+    if (is_filled)
+      begin = crossing.x;
+    else if (crossing.x - begin >= min_piece_mm)
+      pieces.push_back({{begin, y}, {crossing.x, y}});
+  }
+  return pieces;
+}
 
 Edge turned_edge(const Edge& edge, double radians) {
   return {turned(edge.from, radians), turned(edge.to, radians), turned(edge.centre, radians),
@@ -110,23 +182,20 @@ std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOpt
   std::vector<HatchRow> result;
   if (edges.empty()) return result;
   first_edges.push_back(edges.size());
+  Areas areas;
   Crossings crossings(box, options.distance_mm);
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const std::size_t before = crossings.count();
-    for (std::size_t k = first_edges[i]; k < first_edges[i + 1]; ++k) crossings.add(edges[k]);
+    const std::uint32_t area = areas.index_of(contours[i]);
+    for (std::size_t k = first_edges[i]; k < first_edges[i + 1]; ++k) crossings.add(edges[k], area);
     if (missed != nullptr && contours[i].closed && crossings.count() == before)
       missed->push_back(i);
   }
   for (std::size_t i = 0; i < crossings.rows().size(); ++i) {
-    std::vector<double>& row = crossings.rows()[i];
-    std::sort(row.begin(), row.end());
-    HatchRow pieces;
-    for (std::size_t k = 0; k + 1 < row.size(); k += 2) {
-      if (row[k + 1] - row[k] < min_piece_mm) continue;
-      const double y = crossings.height(i);
-      pieces.push_back({turned({row[k], y}, angle), turned({row[k + 1], y}, angle)});
-    }
-    if (!pieces.empty()) result.push_back(std::move(pieces));
+    HatchRow pieces = filled_pieces(crossings.rows()[i], areas, crossings.height(i));
+    if (pieces.empty()) continue;
+    for (HatchPiece& piece : pieces) piece = {turned(piece.from, angle), turned(piece.to, angle)};
+    result.push_back(std::move(pieces));
   }
   return result;
 }

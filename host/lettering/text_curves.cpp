@@ -114,6 +114,9 @@ class TextDrawing {
       for (model::Piece& piece : path.pieces) piece = transformed(std::move(piece), map);
       path.layer = block.layer;
       path.colour = block.colour;
+      path.area = block.area;
+      // Outlines of fonts cross and overlap where their strokes do.
+      path.fill_rule = block.area != 0 ? model::FillRule::non_zero : model::FillRule::even_odd;
       curves_.paths.push_back(std::move(path));
     }
   }

@@ -45,11 +45,22 @@ struct Spline {
 
 using Piece = std::variant<Line, Arc, Spline>;
 
+/// Which places are inside of an area, by how often its outline runs around them (W3C, "Scalable
+/// Vector Graphics (SVG) 2", section 13.4.2).
+enum class FillRule : std::uint8_t {
+  even_odd,  ///< an odd number of times, in whatever direction
+  non_zero   ///< not equally often in both directions
+};
+
 struct Path {
   std::vector<Piece> pieces;  ///< never empty
   bool closed = false;        ///< the last piece ends where the first begins
+  FillRule fill_rule = FillRule::even_odd;
   std::uint32_t layer = 0;    ///< of Curves::layers
   Colour colour = no_colour;  ///< of the line, otherwise of the area
+  /// Paths with the same number are the outline of one filled area; 0: the file does not say what
+  /// is filled, or fills it in the colour of the page.
+  std::uint32_t area = 0;
 };
 
 /// One drawing, mm.

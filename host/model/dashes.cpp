@@ -38,7 +38,8 @@ std::vector<Path> dashes(const Path& path, const DashPattern& pattern) {
         if (!dash.pieces.empty()) drawn.push_back(std::move(dash));
       } else if (is_dot && at < along.total() - shortest) {
         const geometry::Point dot = along.at(at);
-        drawn.push_back({{Line{dot, dot}}, false, path.layer});
+        drawn.push_back({{Line{dot, dot}}});
+        drawn.back().layer = path.layer;
       }
       at += pattern.lengths[i] + pattern.lengths[i + 1];
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <pugixml.hpp>
@@ -279,6 +280,7 @@ class SvgReader {
       curves_.spend(run.lines.front().size(), place);
       run.frame = context.map * run.frame;
       run.layer = curves_.layer_number(context.layer);
+      if (run.is_filled) run.area = ++areas_;
       texts_.push_back(std::move(run));
       has_drawn_ = true;
     }
@@ -297,12 +299,15 @@ class SvgReader {
     if (!clip(node, context)) return;
     const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
+    const std::uint32_t area = fills && !paint.fill_is_white ? ++areas_ : 0;
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
       if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
       for (Path& part : parts) {
         part.colour = paint.colour();
+        part.area = area;
+        part.fill_rule = paint.fill_rule;
         if (is_background)
           background_.emplace(Background{std::move(part), context.layer, place});
         else
@@ -398,6 +403,7 @@ class SvgReader {
   std::vector<xml_node> open_uses_;
   std::optional<Background> background_;
   bool has_drawn_ = false;
+  std::uint32_t areas_ = 0;  ///< count of filled areas
   bool keeps_texts_;
   std::vector<TextBlock> texts_;
   std::optional<Measured> measured_;  ///< while an element is measured: nothing is drawn

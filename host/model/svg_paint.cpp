@@ -129,6 +129,8 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
     paint.fill_is_current = is_current_colour(fill);
     paint.fill_is_default = false;
   }
+  if (const auto rule = value("fill-rule"); !rule.empty())
+    paint.fill_rule = rule == "evenodd" ? FillRule::even_odd : FillRule::non_zero;
   paint.fill_opacity = part_of_one(value("fill-opacity")).value_or(paint.fill_opacity);
   inherit_stroke(node, units, document, paint);
   inherit_colour(value("color"), paint);

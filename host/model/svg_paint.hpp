@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/model/colour.hpp"
+#include "host/model/curves.hpp"
 #include "host/model/svg_document.hpp"
 #include "host/model/svg_values.hpp"
 
@@ -23,6 +24,7 @@ struct SvgPaint {
   bool fill_is_default = true;  ///< no element has set it
   bool fill_is_white = false;   ///< the colour of the page
   bool fill_is_server = false;  ///< a gradient or pattern
+  FillRule fill_rule = FillRule::non_zero;
   bool has_stroke = false;
   Colour fill_colour = 0, stroke_colour = no_colour;
   /// The property color, the value of the keyword currentColor where it is used.

@@ -150,6 +150,7 @@ class TextWalk {
     run.size = style.units.font_px;
     run.anchor = style.anchor;
     run.is_drawn = style.paint.shows_fill() || style.paint.shows_stroke();
+    run.is_filled = style.paint.shows_fill() && !style.paint.fill_is_white;
     run.colour = style.paint.colour();
     run.follows = !x && !result_.runs.empty();
     if (run.follows) {

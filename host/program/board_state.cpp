@@ -65,7 +65,7 @@ std::optional<std::string_view> value_of(const std::vector<std::string>& lines,
   return std::nullopt;
 }
 
-bool take_place(const std::vector<std::string>& lines, std::string_view name, bool inches,
+bool take_place(const std::vector<std::string>& lines, std::string_view name, InchAxes inches,
                 Place& place) {
   const auto text = value_of(lines, name);
   if (!text) return false;
@@ -73,13 +73,13 @@ bool take_place(const std::vector<std::string>& lines, std::string_view name, bo
   for (std::size_t a = 0; a < std::min(numbers.size(), place.size()); ++a) {
     const auto number = number_of<double>(numbers[a]);
     if (!number) return false;
-    place[a] = to_e7(*number, inches);
+    place[a] = to_e7(*number, inches.has(static_cast<int>(a)));
   }
   return !numbers.empty();
 }
 
 /// grbl reports one number, grblHAL one for each axis.
-bool take_tool_length(const std::vector<std::string>& lines, bool inches, std::int64_t& e7) {
+bool take_tool_length(const std::vector<std::string>& lines, InchAxes inches, std::int64_t& e7) {
   Place place{};
   if (!take_place(lines, "TLO", inches, place)) return false;
   const bool one = value_of(lines, "TLO")->find(',') == std::string_view::npos;
@@ -101,14 +101,14 @@ void take_rotations(const std::vector<std::string>& lines, program::Parameters& 
     rotations_e7[i] = to_e7(number_of<double>(numbers[i]).value_or(0), false);
 }
 
-bool take_offsets(const std::vector<std::string>& lines, bool inches,
+bool take_offsets(const std::vector<std::string>& lines, InchAxes inches,
                   program::Parameters& parameters) {
   for (std::size_t i = 0; i < system_names.size(); ++i)
     if (!take_place(lines, system_names[i], inches, parameters.systems_e7[i]) && i < needed_systems)
       return false;
   take_place(lines, "G28", inches, parameters.home_g28_e7);
   take_place(lines, "G30", inches, parameters.home_g30_e7);
-  take_tools(lines, inches, parameters.tools);
+  take_tools(lines, inches.any(), parameters.tools);
   take_rotations(lines, parameters);
   return take_place(lines, "G92", inches, parameters.shift_e7) &&
          take_tool_length(lines, inches, parameters.tool_length_e7);
@@ -190,7 +190,7 @@ std::optional<program::ToolTable::Entry> parse_tool(std::string_view line, bool 
 
 std::optional<BoardState> parse_state(const link::BoardStatus& status,
                                       const std::vector<std::string>& offsets,
-                                      const std::vector<std::string>& modes, bool inches) {
+                                      const std::vector<std::string>& modes, InchAxes inches) {
   BoardState state;
   const auto text = value_of(modes, "GC");
   if (!text || status.position.empty() || !take_offsets(offsets, inches, state.parameters))
@@ -198,15 +198,15 @@ std::optional<BoardState> parse_state(const link::BoardStatus& status,
   const auto words = split(*text, ' ');
   for (const std::string_view word : words)
     if (has(partly_reported, word.substr(0, word.find(':')))) return std::nullopt;
-  state.modes = lines_of(words, inches);
+  state.modes = lines_of(words, inches.any());
   const program::Parameters& parameters = state.parameters;
   state.work_offset_e7 = parameters.systems_e7[system_of(words)];
   for (std::size_t a = 0; a < state.machine_e7.size(); ++a)
     state.work_offset_e7[a] += parameters.shift_e7[a];
   state.work_offset_e7[z_axis] += parameters.tool_length_e7;
   for (std::size_t a = 0; a < std::min(status.position.size(), state.machine_e7.size()); ++a)
-    state.machine_e7[a] =
-        to_e7(status.position[a], inches) + (status.of_work ? state.work_offset_e7[a] : 0);
+    state.machine_e7[a] = to_e7(status.position[a], inches.has(static_cast<int>(a))) +
+                          (status.of_work ? state.work_offset_e7[a] : 0);
   state.as_after_power_up =
       is_zero(state.machine_e7) && !has_offsets(parameters) &&
       std::equal(words.begin(), words.end(), power_up_modes.begin(), power_up_modes.end());
@@ -214,7 +214,7 @@ std::optional<BoardState> parse_state(const link::BoardStatus& status,
 }
 
 std::optional<BoardState> read_state(link::LinePort& port, const link::BoardStatus& status,
-                                     bool inches) {
+                                     InchAxes inches) {
   if (!status.rests()) return std::nullopt;
   try {
     const link::Answer offsets = link::ask(port, "$#"), modes = link::ask(port, "$G");

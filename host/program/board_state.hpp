@@ -18,6 +18,7 @@
 #include "firmware/program/value.hpp"
 #include "host/link/board_text.hpp"
 #include "host/link/line_port.hpp"
+#include "shared/inch_axes.hpp"
 
 namespace lamplock::program_run {
 
@@ -33,15 +34,15 @@ struct BoardState {
 /// and for values that a tool table cannot have.
 std::optional<program::ToolTable::Entry> parse_tool(std::string_view line, bool inches);
 
-/// Parses the answers to `$#` and `$G`; `inches`: setting 13. Empty if a part is missing, or a mode
+/// Parses the answers to `$#` and `$G`. Empty if a part is missing, or a mode
 /// is active that the board reports incompletely (G68, M130).
 std::optional<BoardState> parse_state(const link::BoardStatus& status,
                                       const std::vector<std::string>& offsets,
-                                      const std::vector<std::string>& modes, bool inches);
+                                      const std::vector<std::string>& modes, InchAxes inches);
 
 /// Asks a board whose status is `status`. Empty if it is not at rest or does not answer.
 std::optional<BoardState> read_state(link::LinePort& port, const link::BoardStatus& status,
-                                     bool inches);
+                                     InchAxes inches);
 
 /// Sets the state of an interpreter and its parameters.
 void begin_with(const BoardState& state, program::Interpreter& interpreter,

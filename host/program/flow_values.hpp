@@ -54,7 +54,7 @@ class FlowValues {
   const program::Options options_;
   program::Interpreter interpreter_{parameters_, options_};
   const program::State* state_ = &interpreter_.state();
-  program::Expressions expressions_{state_, parameters_};
+  program::Expressions expressions_{state_, parameters_, options_.rotary};
   bool has_ended_ = false;
 };
 

@@ -13,6 +13,7 @@
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
+#include "host/run/frontend.hpp"
 #include "host/run/sent_file.hpp"
 
 namespace lamplock::run {

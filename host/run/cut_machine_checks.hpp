@@ -14,7 +14,7 @@
 
 namespace lamplock::run {
 
-/// Refuses a power whose S word is 0, where the user wants light or a spindle that turns. Throws
+/// Refuses a power whose S word is 0, where a cut needs light or a spindle that turns. Throws
 /// Error(bad_input) about the operation.
 void require_power(const std::vector<cutting::Operation>& operations, cutting::MachineType machine,
                    const settings::Values& values);

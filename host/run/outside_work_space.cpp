@@ -10,6 +10,7 @@
 #include "host/link/line_port.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/units.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -63,7 +64,8 @@ void require_inside_work_space(link::Transport& board, const BoardOptions& optio
   Way way;
   for (std::size_t a = 0; a < status.position.size() && a < axis_letters.size(); ++a) {
     const int axis = static_cast<int>(a);
-    add_axis(way, axis, status.position[a], work_space(settings.values, axis));
+    if (!is_rotary(settings.values, axis))
+      add_axis(way, axis, status.position[a], work_space(settings.values, axis));
   }
   if (way.where.empty()) return;
   throw Error(

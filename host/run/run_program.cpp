@@ -339,9 +339,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
     refuse_file_of_other_board(asked.machine.machine, values.whole(settings::Id::pin_map),
                                *of_board);
   std::optional<program_run::BoardState> state;
-  if (of_board)
-    state = program_run::read_state(board.port(), status,
-                                    of_board->values.whole(settings::Id::report_inches) != 0);
+  if (of_board) state = program_run::read_state(board.port(), status, inch_axes(of_board->values));
   choose_lines(program, options, of_board ? of_board->values : values, state, choice);
   if (asked.process)
     if (const std::string note = unused_choice_note(name, source, program.text.lines);

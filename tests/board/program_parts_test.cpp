@@ -144,8 +144,8 @@ TEST(ProgramParts, BeginInRotatedSystems) {
                                    "[ROT:90,-30.0000001,0,0,0,0,0,0,0]"};
   for (const char* const system : {"G56", "G57", "G58", "G59"})
     offsets.push_back(fmt::format("[{}:0.000,0.000,0.000]", system));
-  const auto state = program_run::parse_state(
-      status, offsets, {"[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"}, false);
+  const auto state =
+      program_run::parse_state(status, offsets, {"[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"}, {});
   ASSERT_TRUE(state);
   EXPECT_EQ(state->parameters.rotations_e7[0], 90 * program::one_e7);
   EXPECT_EQ(state->parameters.rotations_e7[1], -300'000'001);
@@ -160,6 +160,24 @@ TEST(ProgramParts, BeginInRotatedSystems) {
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(static_cast<double>(end[a]), static_cast<double>(whole[a]), 4) << text_of(part);
   }
+}
+
+TEST(ProgramParts, BeginWithARotaryAxisInDegreesBesideInches) {
+  settings::Values values;
+  values.set_milli(settings::Id::report_inches, 1000);
+  values.set_milli(settings::Id::rotary_axis, 1000);
+  link::BoardStatus status;
+  status.state = "Idle";
+  status.position = {1, 2, 3, 90};
+  std::vector<std::string> offsets{"[G92:0.0000,0.0000,0.0000,0.000]", "[TLO:0.0000]"};
+  for (const char* const system : {"G54", "G55", "G56", "G57", "G58", "G59"})
+    offsets.push_back(fmt::format("[{}:0.1000,0.0000,0.0000,45.000]", system));
+  const auto state = program_run::parse_state(
+      status, offsets, {"[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0.0 S0]"}, inch_axes(values));
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->machine_e7,
+            (program::Place{254'000'000, 508'000'000, 762'000'000, 900'000'000}));
+  EXPECT_EQ(state->parameters.systems_e7[0], (program::Place{25'400'000, 0, 0, 450'000'000}));
 }
 
 TEST(ProgramParts, RefuseToOmitWhatCannotBeReplaced) {

@@ -38,32 +38,6 @@ void expect_connected(const Contour& contour) {
   }
 }
 
-/// Each edge of a contour as a path of its own, some of them backwards, shuffled.
-model::Curves scattered(const std::vector<Contour>& contours, Random& random, double noise_mm) {
-  model::Curves curves;
-  curves.layers = {"0"};
-  const auto noisy = [&](Vec p) {
-    const double turn = 2 * pi * random.uniform(), away = noise_mm * random.uniform();
-    return p + Vec{away * std::cos(turn), away * std::sin(turn)};
-  };
-  for (const Contour& contour : contours) {
-    for (const Edge& straight : contour.edges) {
-      Edge edge = random.uniform() < 0.5 ? straight : reversed(straight);
-      edge = with_ends(edge, noisy(edge.from), noisy(edge.to));
-      if (edge.is_line()) {
-        curves.paths.push_back(line_path(edge.from, edge.to));
-      } else {
-        const Vec out = edge.from - edge.centre;
-        const double start = std::atan2(out.y, out.x);
-        curves.paths.push_back(arc_path(edge.centre, radius_of(edge), start, start + edge.sweep));
-      }
-    }
-  }
-  for (std::size_t i = curves.paths.size(); i > 1; --i)
-    std::swap(curves.paths[i - 1], curves.paths[random.next() % i]);
-  return curves;
-}
-
 TEST(contour, length_and_area_of_lines_and_arcs) {
   // N. Ausmanas, "Analysis of nonmetallic materials cutting by low power diode laser", 2017: the
   // rounded rectangle of its test cuts, 60 x 20 mm, corner radius 3 mm.

@@ -118,6 +118,31 @@ TEST(controller_compensation, random_parts) {
   }
 }
 
+/// Sides of a drawing that are nearly straight, down to a deviation of a nanometre.
+TEST(controller_compensation, sides_that_are_nearly_straight) {
+  Random random(6);
+  for (int i = scaled(60, 15); i > 0; --i) {
+    const int count = 3 + static_cast<int>(random.next() % 5);
+    const auto corner = [&](int k) {
+      const double turn = 2 * std::numbers::pi * (k % count) / count;
+      return Vec{40, 40} + Vec{std::cos(turn), std::sin(turn)} * 25;
+    };
+    model::Curves curves;
+    curves.layers = {"0"};
+    for (int k = 0; k < count; ++k) {
+      const double bulge = std::pow(10, -1 - 7 * random.uniform());
+      const Edge side = bulged(corner(k), corner(k + 1), random.uniform() < 0.5 ? bulge : -bulge);
+      const Vec out = side.from - side.centre;
+      const double start = std::atan2(out.y, out.x);
+      curves.paths.push_back(arc_path(side.centre, norm(out), start, start + side.sweep));
+    }
+    const JoinedContours joined = join_contours(curves, {});
+    ASSERT_EQ(joined.contours.size(), 1u);
+    expect_same_path(joined.contours, 0.05 + 0.3 * random.uniform(), "grbl");
+    if (::testing::Test::HasFailure()) return;
+  }
+}
+
 TEST(controller_compensation, narrow_places_are_refused) {
   const Contour comb =
       polygon({{0, 0}, {20, 0}, {20, 10}, {10.2, 10}, {10.2, 2}, {10, 2}, {10, 10}, {0, 10}});

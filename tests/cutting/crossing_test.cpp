@@ -33,22 +33,6 @@ Contour scribble(Random& random) {
   return contour;
 }
 
-/// How often the contours run around a point, counter-clockwise, by the angles that it sees.
-int turns_around(const std::vector<Contour>& contours, const Vec& at) {
-  double sum = 0;
-  for (const Contour& contour : contours) {
-    for (const Edge& edge : contour.edges) {
-      const int parts = edge.is_line() ? 1 : 60;
-      for (int i = 0; i < parts; ++i) {
-        const Vec p = point_at(edge, double(i) / parts) - at,
-                  q = point_at(edge, double(i + 1) / parts) - at;
-        sum += std::atan2(cross(p, q), dot(p, q));
-      }
-    }
-  }
-  return static_cast<int>(std::lround(sum / (2 * pi)));
-}
-
 double nearest_edge(const std::vector<Contour>& contours, const Vec& at) {
   double nearest = 1e9;
   for (const Contour& contour : contours) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -65,6 +67,61 @@ TEST(hatch, lines_are_where_an_odd_number_of_contours_is_around) {
         EXPECT_TRUE(is_filled(contours, row[k].from + piece * (0.01 + 0.98 * random.uniform())));
         if (k > 0) {
           EXPECT_FALSE(is_filled(contours, (row[k - 1].to + row[k].from) * 0.5));
+        }
+      }
+    }
+  }
+}
+
+/// What SVG fills: each area by its rule, all of them together; other contours leave out what they
+/// are around.
+bool is_painted(const std::vector<Contour>& contours, const Vec& at) {
+  bool is_inside_any = false, is_odd = false;
+  for (std::uint32_t area = 1; area <= 3; ++area) {
+    std::vector<Contour> outline;
+    for (const Contour& contour : contours)
+      if (contour.area == area) outline.push_back(contour);
+    if (outline.empty()) continue;
+    const int turns = turns_around(outline, at);
+    const bool is_even_odd = outline.front().fill_rule == model::FillRule::even_odd;
+    is_inside_any = is_inside_any || (is_even_odd ? turns % 2 != 0 : turns != 0);
+  }
+  for (const Contour& contour : contours)
+    if (contour.area == 0 && turns_around({contour}, at) % 2 != 0) is_odd = !is_odd;
+  return is_inside_any != is_odd;
+}
+
+TEST(hatch, areas_are_filled_by_their_rules_and_united) {
+  Random random(92);
+  for (int i = 0; i < scaled(80, 15); ++i) {
+    std::array<model::FillRule, 4> rules{};
+    for (model::FillRule& rule : rules)
+      rule = random.uniform() < 0.5 ? model::FillRule::even_odd : model::FillRule::non_zero;
+    std::vector<Contour> contours;
+    for (int k = 0; k < 6; ++k) {
+      const Vec centre{12 * random.uniform(), 12 * random.uniform()};
+      Contour star = random_star(random, centre, 3, 9, 7);
+      if (random.uniform() < 0.3)  // crosses itself
+        star = polygon({centre, centre + Vec{8, 5}, centre + Vec{8, 0}, centre + Vec{0, 5}});
+      if (random.uniform() < 0.5) star = reversed(star);
+      star.area = static_cast<std::uint32_t>(random.next() % 4);
+      star.fill_rule = rules[star.area];
+      contours.push_back(star);
+    }
+    const HatchOptions options{0.3, 360 * random.uniform()};
+    const double angle = options.angle_deg * std::numbers::pi / 180;
+    const Vec along{std::cos(angle), std::sin(angle)};
+    for (const HatchRow& row : hatch(contours, options)) {
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const Vec piece = row[k].to - row[k].from;
+        if (norm(piece) > 0.01) {
+          const double part = 0.3 + 0.4 * random.uniform();
+          ASSERT_TRUE(is_painted(contours, row[k].from + piece * part)) << i;
+        }
+        const Vec before = k > 0 ? row[k - 1].to : row[k].from - along * 5;
+        const Vec gap = row[k].from - before;
+        if (norm(gap) > 0.01) {
+          ASSERT_FALSE(is_painted(contours, before + gap * (k > 0 ? 0.5 : 0.999))) << i;
         }
       }
     }

@@ -92,6 +92,7 @@ inline double furthest(const std::vector<Polygon>& of, const std::vector<Polygon
       if (sides.back().from == sides.back().to) sides.pop_back();
     }
   }
+  boxes.reserve(sides.size());
   for (const cutting::Edge& side : sides) boxes.push_back(cutting::box_of(side));
   const cutting::BoxTree tree(boxes);
   double longest = 0;

@@ -104,4 +104,48 @@ inline Contour random_star(geometry::Random& random, Vec centre, double inner, d
   return contour;
 }
 
+/// How often the contours run around a point, counter-clockwise, by the angles that it sees.
+inline int turns_around(const std::vector<Contour>& contours, const Vec& at) {
+  double sum = 0;
+  for (const Contour& contour : contours) {
+    for (const Edge& edge : contour.edges) {
+      const int parts = edge.is_line() ? 1 : 60;
+      for (int i = 0; i < parts; ++i) {
+        const Vec p = cutting::point_at(edge, double(i) / parts) - at,
+                  q = cutting::point_at(edge, double(i + 1) / parts) - at;
+        sum += std::atan2(cutting::cross(p, q), cutting::dot(p, q));
+      }
+    }
+  }
+  return static_cast<int>(std::lround(sum / (2 * std::numbers::pi)));
+}
+
+/// Each edge of a contour as a path of its own, some of them backwards, shuffled.
+inline model::Curves scattered(const std::vector<Contour>& contours, geometry::Random& random,
+                               double noise_mm) {
+  model::Curves curves;
+  curves.layers = {"0"};
+  const auto noisy = [&](Vec p) {
+    const double turn = 2 * std::numbers::pi * random.uniform(), away = noise_mm * random.uniform();
+    return p + Vec{away * std::cos(turn), away * std::sin(turn)};
+  };
+  for (const Contour& contour : contours) {
+    for (const Edge& straight : contour.edges) {
+      Edge edge = random.uniform() < 0.5 ? straight : cutting::reversed(straight);
+      edge = cutting::with_ends(edge, noisy(edge.from), noisy(edge.to));
+      if (edge.is_line()) {
+        curves.paths.push_back(line_path(edge.from, edge.to));
+      } else {
+        const Vec out = edge.from - edge.centre;
+        const double start = std::atan2(out.y, out.x);
+        curves.paths.push_back(
+            arc_path(edge.centre, cutting::radius_of(edge), start, start + edge.sweep));
+      }
+    }
+  }
+  for (std::size_t i = curves.paths.size(); i > 1; --i)
+    std::swap(curves.paths[i - 1], curves.paths[random.next() % i]);
+  return curves;
+}
+
 }  // namespace lamplock::test

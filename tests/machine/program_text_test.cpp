@@ -37,7 +37,7 @@ struct Program {
     }
   }
   std::string modes() const { return machine::modes(interpreter.modal()); }
-  std::string offset(int i, int axes = 3, bool inches = false) const {
+  std::string offset(int i, int axes = 3, InchAxes inches = {}) const {
     TextLine line;
     write_offset(line, i, {parameters, interpreter.modal(), probe, axes, inches});
     return std::string(line.view());
@@ -170,7 +170,7 @@ TEST(ProgramText, OffsetsAreInTheOrderOfGrbl) {
 TEST(ProgramText, ToolsFollowTheProbeAsInGrblHal) {
   Program p{"G10 L1 P12 Z-41.25 R3.175", "G10 L1 P1 R1"};
   EXPECT_EQ(p.offset(probe_line + 1), "[T:12|0.000,0.000,-41.250|3.175]\r\n");
-  EXPECT_EQ(p.offset(probe_line + 2, 4, true), "[T:1|0.0000,0.0000,0.0000,0.0000|0.0394]\r\n");
+  EXPECT_EQ(p.offset(probe_line + 2, 4, {0xf}), "[T:1|0.0000,0.0000,0.0000,0.0000|0.0394]\r\n");
   EXPECT_EQ(p.offset(probe_line + 3), "");
 }
 
@@ -204,8 +204,9 @@ TEST(ProgramText, OffsetsEqualTheirSettings) {
   EXPECT_EQ(p.offset(12), "[TLO:-1.500]\r\n");
   EXPECT_EQ(p.offset(13), "[PRB:1.000,2.000,-3.000:1]\r\n");
   EXPECT_EQ(p.offset(13, 4), "[PRB:1.000,2.000,-3.000,0.001:1]\r\n");
-  EXPECT_EQ(p.offset(0, 4, true), "[G54:0.0394,-0.0984,0.0000,0.0000]\r\n");
-  EXPECT_EQ(p.offset(12, 1, true), "[TLO:-0.0591]\r\n");
+  EXPECT_EQ(p.offset(0, 4, {0x7}), "[G54:0.0394,-0.0984,0.0000,0.000]\r\n");
+  EXPECT_EQ(p.offset(0, 4, {0xf}), "[G54:0.0394,-0.0984,0.0000,0.0000]\r\n");
+  EXPECT_EQ(p.offset(12, 1, {0xf}), "[TLO:-0.0591]\r\n");
 }
 
 TEST(ProgramText, OffsetsAddUpToTheWorkOffset) {

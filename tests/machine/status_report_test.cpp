@@ -16,7 +16,7 @@ using testing::Not;
 constexpr std::uint32_t usual_mask = report_machine_position | report_buffer;
 
 std::string report(StatusReporter& reporter, const ReportedStatus& status,
-                   std::uint32_t mask = usual_mask, bool inches = false) {
+                   std::uint32_t mask = usual_mask, InchAxes inches = {}) {
   TextLine line;
   reporter.begin(line, status, mask, inches);
   line.add(">");
@@ -69,8 +69,33 @@ TEST(StatusReport, InchesHaveFourDecimals) {
   ReportedStatus status = idle();
   status.machine_e7 = {254'000'000, -12'700, 25'399'999};
   status.feed_um_min = 254'000;
-  EXPECT_EQ(report(reporter, status, report_machine_position, true),
+  EXPECT_EQ(report(reporter, status, report_machine_position, {0xf}),
             "<Idle|MPos:1.0000,-0.0001,0.1000|FS:10.0,0|WCO:0.0000,0.0000,0.0000>");
+}
+
+TEST(StatusReport, ARotaryAxisIsInDegreesBesideInches) {
+  settings::Values values;
+  values.set_milli(settings::Id::report_inches, 1000);
+  ReportedStatus status = idle();
+  status.axes = 4;
+  status.machine_e7 = {254'000'000, 0, 0, 900'000'000};
+  StatusReporter length;
+  EXPECT_THAT(report(length, status, report_machine_position, inch_axes(values)),
+              HasSubstr("|MPos:1.0000,0.0000,0.0000,3.5433|"));
+  values.set_milli(settings::Id::rotary_axis, 1000);
+  status.work_offset_e7[3] = 100'000'000;
+  StatusReporter rotary;
+  const std::string text = report(rotary, status, report_machine_position, inch_axes(values));
+  EXPECT_THAT(text, HasSubstr("|MPos:1.0000,0.0000,0.0000,90.000|"));
+  EXPECT_THAT(text, HasSubstr("|WCO:0.0000,0.0000,0.0000,10.000"));
+  status.feed_um_min = 254'000;
+  EXPECT_THAT(report(rotary, status, report_machine_position, inch_axes(values)),
+              HasSubstr("|FS:10.0,0"));
+  status.feed_in_degrees = true;
+  EXPECT_THAT(report(rotary, status, report_machine_position, inch_axes(values)),
+              HasSubstr("|FS:254,0"));
+  values.set_milli(settings::Id::report_inches, 0);
+  EXPECT_FALSE(inch_axes(values).any());
 }
 
 /// Indices of the next reports that contain a field, from 0.

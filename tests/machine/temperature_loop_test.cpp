@@ -84,7 +84,8 @@ RC_GTEST_PROP(TemperatureLoop, DoesNotWindUp, (bool cold)) {
   RC_ASSERT(has_left);
 }
 
-/// u = 1 + Ki integral(r - y) - Kp y, from equilibrium, in floating point.
+/// u = 1 + Ki integral(r - y) - Kp y, from equilibrium, in floating point. The loop rounds each
+/// temperature down to 1 mK, and its factor from nK to mK is 8e-6 too large: 0.016 mK of 2 K.
 RC_GTEST_PROP(TemperatureLoop, IsTheControllerOfTheDocumentation, ()) {
   const Values values = usual_values(*rc::gen::inRange(0, 2000), *rc::gen::inRange(0, 20'000));
   const bool feed = *rc::gen::arbitrary<bool>();
@@ -105,7 +106,8 @@ RC_GTEST_PROP(TemperatureLoop, IsTheControllerOfTheDocumentation, ()) {
     const double change = ki * integral - kp * (above_k - start_k);
     const double wanted = 1 + (feed ? -change : change);
     const double is = static_cast<double>(loop.scale_e11()) / static_cast<double>(one);
-    RC_ASSERT(std::abs(is - wanted) < 2e-5);
+    constexpr double rounding_k = 1.02e-3;
+    RC_ASSERT(std::abs(is - wanted) <= rounding_k * (ki * 1e-3 * (i + 1) + kp));
   }
 }
 

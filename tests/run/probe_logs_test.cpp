@@ -51,7 +51,7 @@ class ProbeLogs : public testing::Test {
     link::SimulatedTransport transport(board);
     link::LinePort port(transport);
     const link::BoardStatus status = link::greet(port).status;
-    const auto state = program_run::read_state(port, status, false);
+    const auto state = program_run::read_state(port, status, {});
     EXPECT_TRUE(state.has_value());
     if (!state) return {};
     auto lines = link::program_lines(text, "p.ngc");

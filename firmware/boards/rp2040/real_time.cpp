@@ -329,7 +329,7 @@ void RealTime::poll(machine::Controller& core) {
     core.lattice_stopped();
     stop_dead(core);
   }
-  inputs_.set_active_low(machine::active_low(core.stored()));
+  inputs_.set_active_low(core.stored());
   inputs_.poll(sio().gpio_in, timer().timerawl, begins, changed);
   fire_.service(core, [this] { return now(); });
   fire_.configure(core.fire_timing());

@@ -17,6 +17,10 @@ program::Options program_options(const settings::Values& values, bool beat_lock,
   constexpr std::int64_t e7_per_milli = program::one_e7 / 1000;
   program::Options options;
   options.axes = values.whole(Id::axes);
+  if (options.axes == max_axes && values.whole(Id::rotary_axis) != 0) {
+    options.rotary = 1u << rotary_axis;
+    options.shortest_way = values.whole(Id::rotary_axis) == 2;
+  }
   options.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
   options.laser = values.whole(Id::laser_mode) != 0;
   options.beat_lock = beat_lock;

@@ -94,7 +94,7 @@ void write_tool(TextLine& line, const program::ToolTable::Entry& entry,
   line.add("[T:"sv).add(std::int64_t{entry.number()}).add("|"sv);
   add_in_force(line, true, {0, 0, tool.length_e7, 0}, offsets);
   line.add("|"sv);
-  add_length(line, tool.diameter_e7 / 2, offsets.inches);
+  add_length(line, tool.diameter_e7 / 2, offsets.inches.any());
   line.add("]\r\n"sv);
 }
 
@@ -148,7 +148,8 @@ void write_offset(TextLine& line, int i, const ReportedOffsets& offsets) {
       break;
     case line_tool_length:
       line.add("TLO:"sv);
-      add_length(line, offsets.modal.tool_length ? parameters.tool_length_e7 : 0, offsets.inches);
+      add_length(line, offsets.modal.tool_length ? parameters.tool_length_e7 : 0,
+                 offsets.inches.any());
       break;
     case line_probe:
       add_probe(line, offsets);

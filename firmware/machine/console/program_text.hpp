@@ -22,6 +22,7 @@
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
 #include "firmware/program/value.hpp"
+#include "shared/inch_axes.hpp"
 #include "shared/text_line.hpp"
 
 namespace lamplock::machine {
@@ -38,7 +39,7 @@ struct ReportedOffsets {
   const program::Modal& modal;
   const ProbeResult& probe;
   int axes = 3;
-  bool inches = false;  ///< setting 13
+  InchAxes inches{};
 };
 
 /// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB, then the places of the tool table

@@ -17,7 +17,7 @@ std::int64_t rounded(std::int64_t value, std::int64_t unit) {
   return (value < 0 ? value - unit / 2 : value + unit / 2) / unit;
 }
 
-/// Whole mm/min or inches/min; inches with a decimal.
+/// Whole mm/min or degrees/min, or inches/min with a decimal.
 void add_rate(TextLine& line, std::uint32_t um_min, bool inches) {
   if (!inches) {
     line.add(rounded(um_min, um_min_per_mm_min));
@@ -59,10 +59,10 @@ void add_length(TextLine& line, std::int64_t length_e7, bool inches) {
   line.add_milli(size / 10).add(size % 10);
 }
 
-void add_place(TextLine& line, const program::Place& place_e7, int axes, bool inches) {
+void add_place(TextLine& line, const program::Place& place_e7, int axes, InchAxes inches) {
   for (int a = 0; a < axes; ++a) {
     if (a != 0) line.add(",");
-    add_length(line, place_e7[index(a)], inches);
+    add_length(line, place_e7[index(a)], inches.has(a));
   }
 }
 
@@ -92,7 +92,7 @@ bool StatusReporter::overrides_due(const ReportedStatus& status) {
 }
 
 void StatusReporter::begin(TextLine& line, const ReportedStatus& status, std::uint32_t mask,
-                           bool inches) {
+                           InchAxes inches) {
   const bool machine = (mask & report_machine_position) != 0;
   program::Place place = status.machine_e7;
   if (!machine)
@@ -106,7 +106,7 @@ void StatusReporter::begin(TextLine& line, const ReportedStatus& status, std::ui
         .add(std::int64_t{status.free_bytes});
   if (status.line != 0) line.add("|Ln:").add(std::int64_t{status.line});
   line.add("|FS:");
-  add_rate(line, status.feed_um_min, inches);
+  add_rate(line, status.feed_um_min, inches.any() && !status.feed_in_degrees);
   line.add(",").add(rounded(status.speed_milli, 1000));
   add_pins(line, status.pins);
   if (offset_due(status)) {

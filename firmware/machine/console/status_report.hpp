@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "firmware/program/value.hpp"
+#include "shared/inch_axes.hpp"
 #include "shared/text_line.hpp"
 
 namespace lamplock::machine {
@@ -45,6 +46,7 @@ struct ReportedStatus {
   std::uint32_t free_bytes = 0;   ///< for lines
   std::uint32_t line = 0;         ///< N word of the line being run, 0 = none
   std::uint32_t feed_um_min = 0;  ///< of the machine, now
+  bool feed_in_degrees = false;   ///< a rotary axis moves alone: the feed is 0.001 degrees/min
   std::uint32_t speed_milli = 0;  ///< of the spindle or laser, now
   std::uint16_t pins = 0;         ///< a bit for each of pin_letters
   Overrides overrides;
@@ -55,7 +57,7 @@ struct ReportedStatus {
 /// A length, given in 10^-7 mm, as grbl prints it: mm with three decimals, inches with four.
 void add_length(TextLine& line, std::int64_t length_e7, bool inches);
 /// The same of all axes, commas between.
-void add_place(TextLine& line, const program::Place& place_e7, int axes, bool inches);
+void add_place(TextLine& line, const program::Place& place_e7, int axes, InchAxes inches);
 
 /// Writes reports; counts the reports since a field was last sent.
 class StatusReporter {
@@ -63,7 +65,7 @@ class StatusReporter {
   /// After a reset the first report contains all fields.
   void reset() { *this = StatusReporter(); }
   /// Begins a report; `mask` as setting 10. The caller adds further fields and ">\r\n".
-  void begin(TextLine& line, const ReportedStatus& status, std::uint32_t mask, bool inches);
+  void begin(TextLine& line, const ReportedStatus& status, std::uint32_t mask, InchAxes inches);
 
  private:
   bool offset_due(const ReportedStatus& status);

@@ -17,6 +17,12 @@ class CurveTiming {
              std::uint32_t time_us);
   /// Time of the next piece, which ends at `end`; never 0.
   std::uint32_t next(const Place& end);
+  /// Where the next piece begins, which ends at `end`: for curves without G93.
+  Place step_to(const Place& end) {
+    const Place from = here_;
+    here_ = end;
+    return from;
+  }
 
  private:
   Place here_{};

@@ -93,10 +93,16 @@ class Inputs {
     seen_ = levels;
     sample(now_us);
   }
-  /// Sets the inputs that are active low; the settings may change it.
-  void set_active_low(machine::InputSet inputs) {
-    if (inputs == active_low_) return;
-    active_low_ = inputs;
+  /// Sets the inputs that are active low. Called in every round of the main loop, so the set is
+  /// only computed, with divisions, after one of its two settings has changed.
+  void set_active_low(const settings::Values& values) {
+    using settings::Id;
+    const std::int32_t limits = values.milli(Id::limit_invert),
+                       probe = values.milli(Id::probe_invert);
+    if (limits == limit_invert_milli_ && probe == probe_invert_milli_) return;
+    limit_invert_milli_ = limits;
+    probe_invert_milli_ = probe;
+    const machine::InputSet inputs = machine::active_low(values);
     low_pins_ = inverted_;
     for (std::size_t i = 0; i < count_; ++i)
       if ((inputs & machine::set_of(switches_[i].meaning)) != 0)
@@ -161,7 +167,7 @@ class Inputs {
   std::uint32_t low_pins_ = 0;   ///< pins that are active low
   std::uint32_t held_pins_ = 0;  ///< pins that count as active
   std::uint32_t seen_ = 0;
-  machine::InputSet active_low_ = 0;
+  std::int32_t limit_invert_milli_ = -1, probe_invert_milli_ = -1;  ///< of low_pins_; -1: not set
 };
 
 }  // namespace lamplock::rp2040
