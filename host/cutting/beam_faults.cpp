@@ -10,7 +10,7 @@
 namespace lamplock::cutting {
 namespace {
 
-/// The drawn contours overlap, too, of which the faults of the drawing tell.
+/// The drawn contours overlap, too, which the faults of the drawing report.
 bool is_drawn_overlap(const Fault& fault, const std::vector<Shape>& shapes) {
   if (fault.kind != FaultKind::overlap || !fault.contour || !fault.other) return false;
   const std::vector<Fault> drawn =

@@ -35,8 +35,8 @@ TEST_F(ProbeLogOptions, CheckNamesTheLogs) {
   const Finished done = run({"check", file});
   EXPECT_EQ(done.status, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("logs      a.txt, b c.txt, d.txt: written by lamplock send"));
-  const auto json = nlohmann::json::parse(run({"check", file, "--json"}).out);
-  EXPECT_EQ(json["probe_logs"], (nlohmann::json{"a.txt", "b c.txt", "d.txt"}));
+  const auto document = nlohmann::json::parse(run({"check", file, "--json"}).out);
+  EXPECT_EQ(document["probe_logs"], (nlohmann::json{"a.txt", "b c.txt", "d.txt"}));
   EXPECT_THAT(run({"check", program("G0 X1 (a probeopen b)\n")}).out, Not(HasSubstr("logs")));
 }
 
