@@ -229,9 +229,27 @@ cutting::OrderOptions order_of(const CutMachineChoice& machine) {
           static_cast<std::size_t>(machine.population)};
 }
 
-void warn(const std::string& text, Frontend& frontend, CutResult& result) {
-  frontend.say("warning  {}", text);
-  result.warnings.push_back(text);
+void warn(const std::vector<std::string>& texts, Frontend& frontend, CutResult& result) {
+  for (const std::string& text : texts) {
+    frontend.say("warning  {}", text);
+    result.warnings.push_back(text);
+  }
+}
+
+/// Moves without light and air.
+bool is_dark(const CutRequest& request) { return request.is_dry || request.is_frame; }
+
+/// The post-processor that the request needs. Throws Error(bad_input) if it cannot serve it.
+cutting::Post post_for(const CutRequest& request) {
+  const std::string& name = request.description.machine.post;
+  cutting::Post post = cutting::post_of(name);
+  if (request.is_frame && post.machine == MachineType::lathe)
+    throw Error(Exit::bad_input, name, "a lathe cannot run around its workpiece", "make a dry run");
+  if (request.is_for_board && (!post.is_checked || post.machine == MachineType::lathe))
+    throw Error(Exit::bad_input, name,
+                "programs of this post-processor are not for a lamplock board",
+                "write the program with -o, or give another post-processor");
+  return is_dark(request) ? cutting::without_air(std::move(post)) : post;
 }
 
 std::string row_name(const CutShape& row) {
@@ -248,38 +266,24 @@ CutResult list_shapes(const CutDescription& description, Frontend& frontend) {
 CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   const CutDescription& description = request.description;
   check_cut_outputs(request);
-  cutting::Post post = cutting::post_of(description.machine.post);
-  if (request.is_frame && post.machine == MachineType::lathe)
-    throw Error(Exit::bad_input, description.machine.post,
-                "a lathe cannot run around its workpiece", "make a dry run");
-  if (request.is_for_board && (!post.is_checked || post.machine == MachineType::lathe))
-    throw Error(Exit::bad_input, description.machine.post,
-                "programs of this post-processor are not for a lamplock board",
-                "write the program with -o, or give another post-processor");
+  const cutting::Post post = post_for(request);
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
   auto [drawing, result] = prepare_cut(description, frontend);
   ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
-  const bool is_dark = request.is_dry || request.is_frame;
-  if (is_dark) post = cutting::without_air(std::move(post));
-  if (is_dark)
+  if (is_dark(request))
     make_dry(operations, post.machine, setup.tooling);
   else if (post.machine != MachineType::knife)
     require_power(operations, post.machine, profile.settings);
-  for (const std::string& text : operation_warnings(operations, post, profile.settings))
-    warn(text, frontend, result);
-  for (const std::string& text : place_warnings(drawing.shapes, operations, description))
-    warn(text, frontend, result);
+  warn(operation_warnings(operations, post, profile.settings), frontend, result);
+  warn(place_warnings(drawing.shapes, operations, description), frontend, result);
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
-  for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm))
-    warn(text, frontend, result);
+  warn(fault_texts(plan.faults, description.drawing.tolerance_mm), frontend, result);
   begin_at(request.first, plan);
   if (request.is_frame) run_around(plan, operations, profile.settings);
-  for (const std::string& text :
-       cutting::require_lines(post, description.machine.post, plan, operations))
-    warn(text, frontend, result);
+  warn(cutting::require_lines(post, description.machine.post, plan, operations), frontend, result);
   measure_plan(plan, operations, setup, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",
