@@ -76,7 +76,7 @@ constexpr Format foreign_picture{"", InputKind::bitmap, read_as<read_bitmap>};
 
 /// The example model is the one that guides and examples name: it is written by a command.
 std::string missing_model_remedy(const path& file) {
-  const std::string remedy = missing_path_remedy(file);
+  std::string remedy = missing_path_remedy(file);
   if (remedy.ends_with('?') || lower_extension(file) != ".stl") return remedy;
   return fmt::format("{}; {} writes the example model", remedy,
                      shell_text({"lamplock", "example", file.string()}));

@@ -76,8 +76,9 @@ void add_range(const std::vector<std::string>& ends, const std::string& part,
     throw Error(
         Exit::bad_input, where, fmt::format("'{}' has no possible count", part),
         fmt::format("give FROM:TO:COUNT with a whole COUNT, 2 to {}", material::max_card_cuts));
-  for (double i = 0; i < count; ++i) {
-    const double value = count == 1 ? from : from + (to - from) * i / (count - 1);
+  const int values = static_cast<int>(count);
+  for (int i = 0; i < values; ++i) {
+    const double value = values == 1 ? from : from + (to - from) * i / (values - 1);
     numbers.push_back(to_thousandths(value));
   }
 }

@@ -222,6 +222,7 @@ TEST(material_library, four_processes_write_at_once) {
   constexpr int processes = 4;
   const int writes = test::scaled(20, 4);
   std::vector<pid_t> children;
+  children.reserve(processes);
   for (int p = 0; p < processes; ++p)
     children.push_back(in_process([&] {
       for (int i = 0; i < writes; ++i)
