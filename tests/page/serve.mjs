@@ -77,7 +77,7 @@ async function show_path(page) {
 async function run_job(page, server) {
   await drop(page, 'zigzag.ngc', `${zigzag.join('\n')}\nM5\n`);
   await until('the file is checked', async () => /lines; .* mm/.test(await text_of(page, 'checked')));
-  check('the picture is shown', await page.ask(`document.getElementById('picture').naturalWidth > 0`));
+  await until('the picture is shown', () => page.ask(`document.getElementById('picture').naturalWidth > 0`));
   await show_path(page);
   await page.click('#start');
   await until('the job runs', async () => /zigzag.*of/.test(await text_of(page, 'job-text')));
