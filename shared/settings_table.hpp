@@ -398,8 +398,7 @@ inline constexpr std::array<Row, setting_count> table{{
      "axis whose second motor is that of A: 0 none, 1 X, 2 Y, 3 Z; from the next start on"},
     {967, "rotary_axis", "0..2", 0, 2'000, 0, true, Scope::programs, Rule::any,
      "what A of programs is: 0 a length, 1 degrees, without limit of travel, 2 the same, and "
-     "absolute "
-     "positions are reached the shortest way round"},
+     "absolute positions are reached the shortest way round"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false, Scope::jobs,
      Rule::not_more_zero_unlimited,
      "silence of the host in a job before a controlled stop; 0 = never"},

@@ -5,6 +5,7 @@
 #include "firmware/program/curves/curve_timing.hpp"
 #include "firmware/program/statement.hpp"
 #include "shared/fixed_point.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::program {
 
@@ -12,7 +13,7 @@ std::uint32_t feed_of_all_axes(std::uint32_t feed_um_min, const Place& from, con
                                bool inches) {
   constexpr std::uint32_t highest_feed = 0xffffffff;
   Place linear_end = to;
-  linear_end[rotary_axis_index] = from[rotary_axis_index];
+  linear_end[rotary_axis] = from[rotary_axis];
   const auto linear = static_cast<std::uint64_t>(distance_e7(from, linear_end));
   if (linear == 0) {
     if (!inches) return feed_um_min;
@@ -45,19 +46,18 @@ std::int64_t Statement::inch_axis_e7(int axis) const {
 /// G28, G30: the stored place of an axis, for A the nearest one.
 std::int64_t Statement::home_of_axis(int axis, const Place& from, const Place& home) const {
   const std::size_t i = index(axis);
-  const bool turns = options_.shortest_way && i == rotary_axis_index;
+  const bool turns = options_.shortest_way && i == rotary_axis;
   return turns ? shortest_way_e7(from[i], home[i]) : home[i];
 }
 
 /// The target of a line with a word of the rotary axis, and the feed of its move.
 bool Statement::rotary_target(Place& place, bool in_machine) {
   const Place& start = in_machine ? after_.machine_e7 : after_.programmed_e7;
-  std::int64_t& end_e7 = place[rotary_axis_index];
-  const std::int64_t start_e7 = start[rotary_axis_index];
+  std::int64_t& end_e7 = place[rotary_axis];
+  const std::int64_t start_e7 = start[rotary_axis];
   if (options_.shortest_way && (in_machine || !after_.modal.relative)) {
     end_e7 = shortest_way_e7(start_e7, end_e7);
-    if (!inside(end_e7, max_position_e7, GcodeError::bad_target,
-                block_.axis(rotary_axis_index).column))
+    if (!inside(end_e7, max_position_e7, GcodeError::bad_target, block_.axis(rotary_axis).column))
       return false;
   }
   // With G93 and as a rapid a move has no feed, and the feed of a cycle is that of its drill. Moves

@@ -12,8 +12,6 @@
 
 namespace lamplock::program {
 
-inline constexpr std::size_t rotary_axis_index = 3;
-
 /// Speed along the path of all axes of a straight move, for a programmed feed of um/min. In inches
 /// a feed of A alone was read as inches a minute and is degrees a minute.
 [[gnu::cold]] std::uint32_t feed_of_all_axes(std::uint32_t feed_um_min, const Place& from,

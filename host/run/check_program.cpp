@@ -73,8 +73,7 @@ CheckedProgram check_program(const CheckOptions& options) {
   if (program_run::has_flow(text)) {
     const Lines lines = program_run::run_flow(link::program_lines(text, options.input),
                                               options.input, values, state, process);
-    static_cast<program_run::ProgramRun&>(checked) =
-        run_with_flow(lines, options, values, state.parameters.tools);
+    checked = {run_with_flow(lines, options, values, state.parameters.tools)};
     add_notes(checked, text, lines, options);
   } else {
     const std::string source = text;
@@ -83,8 +82,8 @@ CheckedProgram check_program(const CheckOptions& options) {
     const Lines lines = link::program_lines(text, options.input);
     if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
       text = program_run::without_user_commands(text);
-    static_cast<program_run::ProgramRun&>(checked) =
-        program_run::run_program(text, values, options.max_problems, state.parameters.tools);
+    checked = {
+        program_run::run_program(text, values, options.max_problems, state.parameters.tools)};
     add_notes(checked, source, lines, options);
   }
   if (checked.is_blank) throw no_line_to_send(options.input);

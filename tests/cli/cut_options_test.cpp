@@ -8,44 +8,22 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/program.hpp"
-#include "tests/drawings.hpp"
+#include "tests/cli/cut_program.hpp"
 
 namespace lamplock::cli::test::cut_options {
 namespace {
 
+using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
-using Arguments = std::vector<std::string>;
-using nlohmann::json;
 using namespace lamplock::test;
 
-class CutOptions : public testing::Test {
+class CutOptions : public CutPart {
  protected:
-  /// Cuts the drawing with 80 % and 600 mm/min.
+  /// With 80 % and 600 mm/min.
   Finished cut(const Arguments& more) const {
-    Arguments all{"cut", part_, "--power", "80", "--feed", "600", "-o", program_};
-    all.insert(all.end(), more.begin(), more.end());
-    return run(all);
+    return cut_part({"--power", "80", "--feed", "600", "-o", program_}, more);
   }
-  /// The one line of a refusal; nothing is written.
-  std::string refused(const Finished& wrong) const {
-    EXPECT_EQ(wrong.status, 2) << wrong.out << wrong.err;
-    std::string error;
-    for (const std::string& line : lines(wrong.err))
-      if (line.starts_with("error: ")) error += line;
-    EXPECT_THAT(error, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+"));
-    EXPECT_FALSE(std::filesystem::exists(program_));
-    return error;
-  }
-  void draw(const std::string& entities) const {
-    folder_.write("part.dxf", dxf_drawing(entities, 4));
-  }
-
-  Folder folder_;
-  const std::string part_ = folder_.write(
-      "part.dxf", dxf_drawing(dxf_rectangle(5, 5, 25, 20) + dxf_circle(15, 12, 3), 4));
-  const std::string program_ = folder_ / "part.ngc";
 };
 
 TEST_F(CutOptions, a_description_does_not_lose_a_dry_run) {
@@ -88,7 +66,7 @@ TEST_F(CutOptions, what_is_no_drawing_is_not_advised) {
 }
 
 TEST_F(CutOptions, an_overlap_is_named_once) {
-  draw(dxf_rectangle(0, 0, 10, 10) + dxf_rectangle(5, 0, 10, 5));
+  drawing(dxf_rectangle(0, 0, 10, 10) + dxf_rectangle(5, 0, 10, 5));
   const std::string warnings = cut({"--kerf", "0.2"}).out;
   const auto first = warnings.find("overlap of two contours");
   EXPECT_NE(first, std::string::npos) << warnings;
@@ -128,7 +106,7 @@ TEST_F(CutPosts, a_path_that_is_not_that_of_the_plan_is_refused) {
   EXPECT_THAT(with_moves("G1 X{x}"), HasSubstr("not that of the plan"));
   EXPECT_THAT(wrong("arc_cw = \"G2 X{x} Y{y} I{i} J{j}", "arc_cw = \"G1 X{x} Y{y}"),
               HasSubstr("its moves with a feed have"));
-  draw(dxf_rectangle(0.5, 0.5, 1, 1));  // the machine has room for inches
+  drawing(dxf_rectangle(0.5, 0.5, 1, 1));  // the machine has room for inches
   const std::string inches = wrong("G21 G90", "G20 G90");
   EXPECT_THAT(inches, HasSubstr("own.toml: the path of its program is not that of the plan: X runs "
                                 "from 12.700 to 38.100 mm, the plan from 0.500 to 1.500 mm;"));
@@ -148,7 +126,7 @@ TEST_F(CutPosts, paths_of_the_plan_are_accepted) {
   EXPECT_EQ(cut_by(lines(), {"--operation", "engrave", "--hatch", "0.5"}).status, 0);
   EXPECT_EQ(cut_by(lines(), {"--frame"}).status, 0);
   EXPECT_EQ(cut({"--kerf", "0.5", "--compensation", "controller", "--passes", "2"}).status, 0);
-  draw(dxf_polyline({{0, 0}, {10, 0}}, false));
+  drawing(dxf_polyline({{0, 0}, {10, 0}}, false));
   EXPECT_EQ(cut_by(lines()).status, 0) << "a line along an axis";
 }
 
@@ -168,7 +146,7 @@ TEST_F(CutPosts, dry_runs_have_no_air) {
       "own.toml", "decimals = 3\n[lines]\nshape_begin = \"M04m08 (air)\"\n" + lines());
   dry(own, {});
   EXPECT_THAT(read(program_), HasSubstr("\nM04 (air)\n"));
-  draw(dxf_polyline({{0, 5}, {20, 5}}, false));
+  drawing(dxf_polyline({{0, 5}, {20, 5}}, false));
   dry("lathe", {"--air", "--final-depth", "1"});
   Arguments knife{"cut", part_,           "--feed", "600",   "--post", "knife", "--knife-offset",
                   "0.3", "--final-depth", "1",      "--dry", "-o",     program_};
@@ -196,8 +174,8 @@ class CutOperations : public CutOptions {
     return json::parse(finished.out, nullptr, false);
   }
   void SetUp() override {
-    draw(dxf_rectangle(0, 0, 20, 20, "OUT") + dxf_circle(10, 10, 4, "IN") +
-         dxf_rectangle(25, 0, 20, 20, "OUT") + dxf_circle(35, 10, 4, "IN"));
+    drawing(dxf_rectangle(0, 0, 20, 20, "OUT") + dxf_circle(10, 10, 4, "IN") +
+            dxf_rectangle(25, 0, 20, 20, "OUT") + dxf_circle(35, 10, 4, "IN"));
   }
   static constexpr double two_holes_mm = 2 * 2 * 3.14159265358979 * 3.9;
 };

@@ -6,20 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/program.hpp"
-#include "tests/drawings.hpp"
+#include "tests/cli/cut_program.hpp"
 
 namespace lamplock::cli::test::cut {
 namespace {
 
+using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
-using Arguments = std::vector<std::string>;
-using nlohmann::json;
 using namespace lamplock::test;
-
-constexpr const char* ten_ccw = "SQUARE";
 
 /// Power and feed, which every cut needs.
 Arguments cut(const std::string& drawing, const Arguments& more) {
@@ -28,11 +24,8 @@ Arguments cut(const std::string& drawing, const Arguments& more) {
   return all;
 }
 
-class Cut : public testing::Test {
+class Cut : public CutProgram {
  protected:
-  std::string drawing(const std::string& entities, int units = 4) const {
-    return folder_.write("part.dxf", dxf_drawing(entities, units));
-  }
   json made(const std::string& drawing, const Arguments& more) const {
     Arguments all = cut(drawing, more);
     all.insert(all.end(), {"-o", program_, "--json"});
@@ -40,28 +33,17 @@ class Cut : public testing::Test {
     EXPECT_EQ(finished.status, 0) << finished.err;
     return json::parse(finished.out, nullptr, false);
   }
-  /// The one line of a refusal; nothing is written.
   std::string refused(const Arguments& arguments) const {
-    const Finished wrong = run(arguments);
-    EXPECT_EQ(wrong.status, 2) << wrong.out << wrong.err;
-    std::string error;
-    for (const std::string& line : lines(wrong.err))
-      if (line.starts_with("error: ")) error += line;
-    EXPECT_THAT(error, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+"));
-    EXPECT_FALSE(std::filesystem::exists(program_));
-    return error;
+    return CutProgram::refused(run(arguments));
   }
   std::string refused(const std::string& drawing, Arguments more) const {
     more.insert(more.end(), {"-o", program_});
     return refused(cut(drawing, more));
   }
-
-  Folder folder_;
-  const std::string program_ = folder_ / "part.ngc";
 };
 
 const std::string rounded = dxf_rounded(-30, -10, 60, 20, 3);
-const std::string square = dxf_rectangle(0, 0, 10, 10, ten_ccw);
+const std::string square = dxf_rectangle(0, 0, 10, 10, "SQUARE");
 const std::string ell =
     dxf_polyline({{0, 0}, {20, 0}, {20, 10}, {10, 10}, {10, 20}, {0, 20}}, true);
 

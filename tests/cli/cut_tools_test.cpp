@@ -8,38 +8,23 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/program.hpp"
-#include "tests/drawings.hpp"
+#include "tests/cli/cut_program.hpp"
 
 namespace lamplock::cli::test::cut_tools {
 namespace {
 
+using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
-using Arguments = std::vector<std::string>;
-using nlohmann::json;
 using namespace lamplock::test;
 
-class CutTools : public testing::Test {
+class CutTools : public CutPart {
  protected:
-  Finished cut(const Arguments& more) const {
-    Arguments all{"cut", part_, "--feed", "600"};
-    all.insert(all.end(), more.begin(), more.end());
-    return run(all);
+  /// With 600 mm/min.
+  Finished cut(const Arguments& more) const { return cut_part({"--feed", "600"}, more); }
+  std::string refused(const Arguments& more) const {
+    return CutPart::refused(cut_part({"--feed", "600", "-o", program_}, more));
   }
-  std::string refused(Arguments more) const {
-    more.insert(more.end(), {"-o", program_});
-    const Finished wrong = cut(more);
-    EXPECT_EQ(wrong.status, 2) << wrong.out << wrong.err;
-    EXPECT_THAT(wrong.err, testing::MatchesRegex("(.*\n)*error: [^\n]+: [^\n]+; [^\n]+\n"));
-    EXPECT_FALSE(std::filesystem::exists(program_));
-    return wrong.err;
-  }
-
-  Folder folder_;
-  const std::string part_ = folder_.write(
-      "part.dxf", dxf_drawing(dxf_rectangle(5, 5, 25, 20) + dxf_circle(15, 12, 3), 4));
-  const std::string program_ = folder_ / "part.ngc";
 };
 
 TEST_F(CutTools, small_arcs_survive_few_decimals) {
@@ -48,7 +33,7 @@ TEST_F(CutTools, small_arcs_survive_few_decimals) {
     entities +=
         dxf_circle(-45 + 8.137 * (i % 10), -45 + 9.003 * std::floor(i / 10.0), 0.013 + 0.0171 * i);
   entities += dxf_rounded(-40, 30, 20.004, 9.996, 0.0337) + dxf_rounded(10, 30, 20, 10, 0.107);
-  folder_.write("part.dxf", dxf_drawing(entities, 4));
+  drawing(entities);
   for (const int decimals : {2, 3, 4}) {
     const std::string post = folder_.write(
         "p.toml",
@@ -154,10 +139,8 @@ TEST_F(CutTools, heights_outside_of_the_work_space_name_what_sets_them) {
 }
 
 TEST_F(CutTools, equal_contours_on_two_layers_of_one_operation_are_cut_once) {
-  folder_.write("part.dxf",
-                dxf_drawing(dxf_rectangle(5, 5, 25, 20, "A") + dxf_rectangle(5, 5, 25, 20, "B") +
-                                dxf_rectangle(-40, 5, 25, 20, "B"),
-                            4));
+  drawing(dxf_rectangle(5, 5, 25, 20, "A") + dxf_rectangle(5, 5, 25, 20, "B") +
+          dxf_rectangle(-40, 5, 25, 20, "B"));
   const Finished finished = cut({"--power", "50", "-o", program_, "--json"});
   EXPECT_EQ(json::parse(finished.out)["cuts"], 2);
   EXPECT_THAT(finished.err, HasSubstr("duplicate, left out"));
@@ -191,7 +174,7 @@ TEST_F(CutTools, a_power_without_an_effect_is_refused) {
 }
 
 TEST_F(CutTools, a_drawing_of_dots_has_nothing_to_cut) {
-  folder_.write("part.dxf", dxf_drawing("0\nLINE\n8\nCUT\n10\n5\n20\n5\n11\n5\n21\n5\n", 4));
+  drawing("0\nLINE\n8\nCUT\n10\n5\n20\n5\n11\n5\n21\n5\n");
   EXPECT_THAT(refused({"--power", "50"}), HasSubstr("has no curve longer than the tolerance"));
 }
 

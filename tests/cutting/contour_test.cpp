@@ -20,11 +20,6 @@ using geometry::Random;
 using std::numbers::pi;
 using namespace lamplock::test;
 
-std::size_t count_of(const std::vector<Fault>& faults, FaultKind kind) {
-  return static_cast<std::size_t>(std::count_if(
-      faults.begin(), faults.end(), [kind](const Fault& fault) { return fault.kind == kind; }));
-}
-
 void expect_connected(const Contour& contour) {
   for (std::size_t i = 0; i < contour.edges.size(); ++i) {
     const bool is_last = i + 1 == contour.edges.size();
@@ -92,10 +87,9 @@ TEST(contour, scattered_edges_become_the_same_contours) {
 }
 
 TEST(contour, gaps_beyond_the_tolerance_are_reported_with_place_and_size) {
-  model::Curves curves;
-  curves.layers = {"0"};
-  curves.paths = {line_path({0, 0}, {10, 0}), line_path({10, 0.004}, {10, 10}),
-                  line_path({0.3, 10}, {0, 0}), line_path({10, 10}, {0.5, 10})};
+  const model::Curves curves =
+      of_one_layer({line_path({0, 0}, {10, 0}), line_path({10, 0.004}, {10, 10}),
+                    line_path({0.3, 10}, {0, 0}), line_path({10, 10}, {0.5, 10})});
   const JoinedContours joined = join_contours(curves, {});
   ASSERT_EQ(joined.contours.size(), 1u);
   EXPECT_FALSE(joined.contours[0].closed);
@@ -128,8 +122,7 @@ TEST(contour, curves_of_different_layers_are_not_joined) {
 }
 
 TEST(contour, a_joint_of_many_curves_continues_straight) {
-  model::Curves curves;
-  curves.layers = {"0"};
+  model::Curves curves = of_one_layer({});
   for (int i = 0; i < 8; ++i)
     curves.paths.push_back(line_path({0, 0}, {std::cos(pi * i / 4), std::sin(pi * i / 4)}));
   const JoinedContours joined = join_contours(curves, {});
@@ -169,12 +162,10 @@ TEST(contour, squares_that_touch_and_lines_from_corners_leave_closed_contours) {
 }
 
 TEST(contour, duplicates_are_removed_however_they_are_drawn) {
-  model::Curves curves;
-  curves.layers = {"0"};
-  curves.paths = {circle_path({0, 0}, 5),         arc_path({0, 0}, 5, 1, 1 + pi),
-                  arc_path({0, 0}, 5, 1, 1 - pi), line_path({9, 9}, {12, 9}),
-                  line_path({12, 9}, {9, 9}),     circle_path({0.5, 0}, 5),
-                  line_path({20, 20}, {20, 20})};
+  const model::Curves curves = of_one_layer(
+      {circle_path({0, 0}, 5), arc_path({0, 0}, 5, 1, 1 + pi), arc_path({0, 0}, 5, 1, 1 - pi),
+       line_path({9, 9}, {12, 9}), line_path({12, 9}, {9, 9}), circle_path({0.5, 0}, 5),
+       line_path({20, 20}, {20, 20})});
   const JoinedContours joined = join_contours(curves, {});
   EXPECT_EQ(joined.contours.size(), 3u);
   EXPECT_EQ(count_of(joined.faults, FaultKind::duplicate), 2u);

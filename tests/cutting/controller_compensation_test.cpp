@@ -127,8 +127,7 @@ TEST(controller_compensation, sides_that_are_nearly_straight) {
       const double turn = 2 * std::numbers::pi * (k % count) / count;
       return Vec{40, 40} + Vec{std::cos(turn), std::sin(turn)} * 25;
     };
-    model::Curves curves;
-    curves.layers = {"0"};
+    model::Curves curves = of_one_layer({});
     for (int k = 0; k < count; ++k) {
       const double bulge = std::pow(10, -1 - 7 * random.uniform());
       const Edge side = bulged(corner(k), corner(k + 1), random.uniform() < 0.5 ? bulge : -bulge);

@@ -88,10 +88,7 @@ TEST(flat_arc, outlines_of_all_sides_are_offset_as_polygons) {
   int count = 0;
   for (int i = 0; i < scaled(600, 120); ++i) {
     const model::Path path = random_outline(random, i % 4);
-    model::Curves curves;
-    curves.layers = {"0"};
-    curves.paths = {path};
-    const JoinedContours joined = join_contours(curves, {});
+    const JoinedContours joined = join_contours(of_one_layer({path}), {});
     ASSERT_EQ(joined.contours.size(), 1u) << i;
     if (!contour_faults(joined.contours).empty()) continue;
     ++count;

@@ -19,11 +19,6 @@ using geometry::Random;
 using std::numbers::pi;
 using namespace lamplock::test;
 
-std::size_t count_of(const std::vector<Fault>& faults, FaultKind kind) {
-  return static_cast<std::size_t>(std::count_if(
-      faults.begin(), faults.end(), [kind](const Fault& fault) { return fault.kind == kind; }));
-}
-
 JoinedContours joined_within(const model::Curves& curves, double tolerance_mm) {
   JoinOptions options;
   options.tolerance_mm = tolerance_mm;
@@ -106,14 +101,12 @@ TEST(large_tolerance, the_ends_of_a_star_of_short_lines_are_found_among_many) {
 }
 
 TEST(large_tolerance, duplicates_have_the_same_ends_and_the_same_way) {
-  model::Curves curves;
-  curves.layers = {"0"};
   // Neighbours whose outer ends are within the tolerance, two arcs with common ends, a line and its
   // copy; a short line by itself.
-  curves.paths = {line_path({0, 0}, {1, 0}),     line_path({1, 0}, {2, 0}),
-                  arc_path({10, 0}, 1, 0, pi),   arc_path({10, 0}, 1, 0, -pi),
-                  line_path({20, 0}, {21, 0}),   line_path({21, 0.02}, {20, 0.02}),
-                  line_path({30, 0}, {30, 0.5}), line_path({40, 0}, {40, 0.001})};
+  const model::Curves curves = of_one_layer(
+      {line_path({0, 0}, {1, 0}), line_path({1, 0}, {2, 0}), arc_path({10, 0}, 1, 0, pi),
+       arc_path({10, 0}, 1, 0, -pi), line_path({20, 0}, {21, 0}), line_path({21, 0.02}, {20, 0.02}),
+       line_path({30, 0}, {30, 0.5}), line_path({40, 0}, {40, 0.001})});
   const JoinedContours joined = joined_within(curves, 2);
   EXPECT_EQ(count_of(joined.faults, FaultKind::duplicate), 1u);
   EXPECT_EQ(count_of(joined.faults, FaultKind::dot), 1u) << "0.001 mm";

@@ -33,6 +33,20 @@ inline model::Path circle_path(Vec centre, double radius) {
   return path;
 }
 
+/// Curves of the layer "0".
+inline model::Curves of_one_layer(std::vector<model::Path> paths) {
+  model::Curves curves;
+  curves.layers = {"0"};
+  curves.paths = std::move(paths);
+  return curves;
+}
+
+inline std::size_t count_of(const std::vector<cutting::Fault>& faults, cutting::FaultKind kind) {
+  return static_cast<std::size_t>(
+      std::count_if(faults.begin(), faults.end(),
+                    [kind](const cutting::Fault& fault) { return fault.kind == kind; }));
+}
+
 inline Contour polygon(const std::vector<Vec>& corners) {
   Contour contour;
   contour.closed = true;
@@ -123,8 +137,7 @@ inline int turns_around(const std::vector<Contour>& contours, const Vec& at) {
 /// Each edge of a contour as a path of its own, some of them backwards, shuffled.
 inline model::Curves scattered(const std::vector<Contour>& contours, geometry::Random& random,
                                double noise_mm) {
-  model::Curves curves;
-  curves.layers = {"0"};
+  model::Curves curves = of_one_layer({});
   const auto noisy = [&](Vec p) {
     const double turn = 2 * std::numbers::pi * random.uniform(), away = noise_mm * random.uniform();
     return p + Vec{away * std::cos(turn), away * std::sin(turn)};

@@ -1,13 +1,9 @@
 #include "firmware/program/curves/curve.hpp"
 
 #include "firmware/program/wide_number.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::program {
-namespace {
-
-constexpr std::size_t rotary_axis = 3;  // A, in no plane
-
-}  // namespace
 
 template <class Shape, class Request>
 void Curve::begin(Kind kind, Shape& shape, const Request& request) {
