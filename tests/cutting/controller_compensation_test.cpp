@@ -131,9 +131,7 @@ TEST(controller_compensation, sides_that_are_nearly_straight) {
     for (int k = 0; k < count; ++k) {
       const double bulge = std::pow(10, -1 - 7 * random.uniform());
       const Edge side = bulged(corner(k), corner(k + 1), random.uniform() < 0.5 ? bulge : -bulge);
-      const Vec out = side.from - side.centre;
-      const double start = std::atan2(out.y, out.x);
-      curves.paths.push_back(arc_path(side.centre, norm(out), start, start + side.sweep));
+      curves.paths.push_back(path_of(side));
     }
     const JoinedContours joined = join_contours(curves, {});
     ASSERT_EQ(joined.contours.size(), 1u);

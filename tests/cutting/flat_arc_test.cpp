@@ -41,10 +41,7 @@ std::vector<Vec> random_corners(Random& random) {
 
 /// An arc as readers make it of a bulge.
 model::Piece arc_side(const Vec& from, const Vec& to, double bulge) {
-  const Edge edge = bulged(from, to, bulge);
-  const Vec out = from - edge.centre;
-  const double start = std::atan2(out.y, out.x), radius = norm(out);
-  return model::Arc{point(edge.centre), {radius, 0, 0}, {0, radius, 0}, start, start + edge.sweep};
+  return path_of(bulged(from, to, bulge)).pieces.front();
 }
 
 /// A straight side as editors write it: a curve with its poles on the chord, rounded.

@@ -33,6 +33,14 @@ inline model::Path circle_path(Vec centre, double radius) {
   return path;
 }
 
+/// A line, or an arc as readers make it.
+inline model::Path path_of(const Edge& edge) {
+  if (edge.is_line()) return line_path(edge.from, edge.to);
+  const Vec out = edge.from - edge.centre;
+  const double start = std::atan2(out.y, out.x);
+  return arc_path(edge.centre, cutting::radius_of(edge), start, start + edge.sweep);
+}
+
 /// Curves of the layer "0".
 inline model::Curves of_one_layer(std::vector<model::Path> paths) {
   model::Curves curves;
@@ -146,14 +154,7 @@ inline model::Curves scattered(const std::vector<Contour>& contours, geometry::R
     for (const Edge& straight : contour.edges) {
       Edge edge = random.uniform() < 0.5 ? straight : cutting::reversed(straight);
       edge = cutting::with_ends(edge, noisy(edge.from), noisy(edge.to));
-      if (edge.is_line()) {
-        curves.paths.push_back(line_path(edge.from, edge.to));
-      } else {
-        const Vec out = edge.from - edge.centre;
-        const double start = std::atan2(out.y, out.x);
-        curves.paths.push_back(
-            arc_path(edge.centre, cutting::radius_of(edge), start, start + edge.sweep));
-      }
+      curves.paths.push_back(path_of(edge));
     }
   }
   for (std::size_t i = curves.paths.size(); i > 1; --i)
