@@ -95,7 +95,7 @@ Json program_json(const run::ProgramHeat& heat) {
     overheated.push_back({{"line", one.heat.line},
                           {"max_k", one.heat.hottest.max_k},
                           {"power_w", one.heat.power_w * one.power_factor},
-                          {"feed_mm_min", one.heat.speed_mm_s * one.feed_factor * 60}});
+                          {"feed_mm_min", optional_json(one.feed_mm_min())}});
   return {{"material", heat.heat.material},
           {"time_s", heat.result.seconds},
           {"limit_k", heat.limit_k},
