@@ -150,7 +150,8 @@ class TextWalk {
     run.size = style.units.font_px;
     run.anchor = style.anchor;
     run.is_drawn = style.paint.shows_fill() || style.paint.shows_stroke();
-    run.is_filled = style.paint.shows_fill() && !style.paint.fill_is_white;
+    run.is_filled = style.paint.shows_fill();
+    run.covers = style.paint.fill_is_white;
     run.colour = style.paint.colour();
     run.follows = !x && !result_.runs.empty();
     if (run.follows) {
