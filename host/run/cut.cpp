@@ -317,6 +317,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   }
   const CutMade made{plan, drawing.shapes, operations, frame.title, frame.names, program, result};
   write_cut_files(request, made, frontend);
+  if (request.has_report) result.report = report_of(made);
   if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));
   return result;
 }
