@@ -24,6 +24,7 @@
 #include "host/glass/description_file.hpp"
 #include "host/number_text.hpp"
 #include "host/run/cut.hpp"
+#include "host/run/cut_drawing.hpp"
 #include "host/run/report_folder.hpp"
 #include "host/run/run_program.hpp"
 #include "host/version.hpp"
@@ -129,6 +130,7 @@ Exit cut_drawing(const CutOptions& options) {
                      !request.save.empty() || request.is_for_board;
   if (!makes && !options.list) {
     check_is_file(request.description.drawing.file);
+    run::require_drawing_name(request.description.drawing.file);
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
                 "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
   }

@@ -59,6 +59,7 @@ TEST_F(CutOptions, what_is_no_drawing_is_not_advised) {
     const Finished wrong = run({"cut", folder_.write(name, "x"), "--list"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("; give a drawing (dxf, svg, svgz)\n")) << name;
+    EXPECT_EQ(run({"cut", folder_ / name}).err, wrong.err) << "before the missing output";
   }
   EXPECT_THAT(run({"cut", folder_.write("x.ai", "x"), "--list"}).err, HasSubstr("save it as SVG"));
   EXPECT_THAT(run({"points", folder_ / "x.mtl", "-o", folder_ / "x.xyz"}).err,
