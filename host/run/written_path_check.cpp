@@ -157,7 +157,7 @@ class PathComparison {
                                      piece.feed_mm_min, move.feed_mm_min));
   }
 
-  /// Along an edge: each piece begins and ends on it and goes on in its direction.
+  /// Along an edge: each piece begins and ends on it and continues in its direction.
   void take_cut(const WrittenMove& move, std::size_t first) {
     require_place(move, move.edge.from, "begins");
     double passed = 0;  // mm, or radians of an arc
