@@ -41,7 +41,9 @@ struct Problem {
 /// A straight piece of the path, mm in machine coordinates.
 struct Piece {
   PerAxis<double> from{}, to{};
-  double power = 0;  ///< of the laser or spindle: 0..1 of the maximum S
+  double power = 0;        ///< of the laser or spindle: 0..1 of the maximum S
+  double s = 0;            ///< S word while the laser or spindle is on, also of a rapid
+  double feed_mm_min = 0;  ///< along the path, in G93 that of its time; 0: a rapid
   bool rapid = false;
   std::size_t line = 0;  ///< of the program, from 1
   std::size_t move = 0;  ///< number of its move, from 0: several pieces of a row are one move
@@ -64,6 +66,10 @@ struct ProgramRun {
   LockedRun beats;             ///< of the whole program, if it has locked moves
   bool ended = false;          ///< it contains M2 or M30
   bool is_blank = true;        ///< no line is left without comments
+  /// First line that may give light, in motion or at rest: M3 or M4 with an S above 0, points on
+  /// the beat, outputs. 0: none.
+  std::size_t light_line = 0;
+  std::size_t system_line = 0;  ///< first line with another coordinate system than G54; 0: none
   int axes = 3;
   Bounds bounds;  ///< of all moves, with the start
   std::vector<Problem> problems;
