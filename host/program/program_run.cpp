@@ -18,6 +18,7 @@
 #include "shared/wire/framing.hpp"
 #include "shared/wire/run_pace.hpp"
 #include "shared/wire/runs.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -43,6 +44,7 @@ class Machine {
   explicit Machine(const settings::Values& values)
       : values_(values), space_(work_space(values)), lines_(values) {
     run_.axes = values.whole(Id::axes);
+    run_.rotary = is_rotary(values, rotary_axis);
   }
 
   ProgramRun& result() { return run_; }
@@ -170,12 +172,19 @@ class Machine {
   }
 
   void problem_outside(const program::Place& place_e7, std::size_t line, int axis) {
-    const double low = values_.milli(Id::min_corner_x, axis) / 1e3;
+    const bool rotary = is_rotary(values_, axis);
+    double low = values_.milli(Id::min_corner_x, axis) / 1e3;
+    double high = low + values_.milli(Id::travel_x, axis) / 1e3;
+    if (rotary) {  // without a limit of travel
+      const double steps_per_degree = values_.milli(Id::steps_per_mm_x, axis) / 1e3;
+      low = space_.min[index(axis)] / steps_per_degree;
+      high = space_.max[index(axis)] / steps_per_degree;
+    }
     run_.problems.push_back(
         {line, 0, 0,
-         fmt::format("{} {:.3f} mm is outside of the work space, {:.3f} to {:.3f} mm",
+         fmt::format("{} {:.3f} {} is outside of the work space, {:.3f} to {:.3f} {}",
                      axis_letters[index(axis)], static_cast<double>(place_e7[index(axis)]) / e7,
-                     low, low + values_.milli(Id::travel_x, axis) / 1e3)});
+                     rotary ? "degrees" : "mm", low, high, rotary ? "degrees" : "mm")});
   }
 
   /// The minimum time of a move with pixels, as on the board.
@@ -223,7 +232,8 @@ class Machine {
     double squares = 0;
     for (std::size_t a = 0; a < at_.size(); ++a) {
       at_[a] = static_cast<double>(action.target_e7[a]) / e7;
-      squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
+      if (!is_rotary(values_, static_cast<int>(a)))
+        squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
       run_.bounds.low[a] = std::min(run_.bounds.low[a], at_[a]);
       run_.bounds.high[a] = std::max(run_.bounds.high[a], at_[a]);
     }
