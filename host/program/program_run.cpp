@@ -172,19 +172,13 @@ class Machine {
   }
 
   void problem_outside(const program::Place& place_e7, std::size_t line, int axis) {
-    const bool rotary = is_rotary(values_, axis);
-    double low = values_.milli(Id::min_corner_x, axis) / 1e3;
-    double high = low + values_.milli(Id::travel_x, axis) / 1e3;
-    if (rotary) {  // without a limit of travel
-      const double steps_per_degree = values_.milli(Id::steps_per_mm_x, axis) / 1e3;
-      low = space_.min[index(axis)] / steps_per_degree;
-      high = space_.max[index(axis)] / steps_per_degree;
-    }
+    // A rotary axis has no limit within the numbers of a program.
+    const double low = values_.milli(Id::min_corner_x, axis) / 1e3;
     run_.problems.push_back(
         {line, 0, 0,
-         fmt::format("{} {:.3f} {} is outside of the work space, {:.3f} to {:.3f} {}",
+         fmt::format("{} {:.3f} mm is outside of the work space, {:.3f} to {:.3f} mm",
                      axis_letters[index(axis)], static_cast<double>(place_e7[index(axis)]) / e7,
-                     rotary ? "degrees" : "mm", low, high, rotary ? "degrees" : "mm")});
+                     low, low + values_.milli(Id::travel_x, axis) / 1e3)});
   }
 
   /// The minimum time of a move with pixels, as on the board.

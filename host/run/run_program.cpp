@@ -363,8 +363,8 @@ void check_program_options(const BoardOptions& options, const std::vector<std::s
 
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend) {
-  check_program_options(options, {file}, frontend);
   return with_events(asked.events, [&](const OpenedEvents& events) {
+    check_program_options(options, {file}, frontend);
     return run_text(file, read_program_text(file), options, asked, events, frontend);
   });
 }
@@ -372,8 +372,8 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
 ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 const BoardOptions& options, const ProgramOptions& asked,
                                 Frontend& frontend) {
-  check_program_options(options, {}, frontend);
   return with_events(asked.events, [&](const OpenedEvents& events) {
+    check_program_options(options, {}, frontend);
     return run_text(name, std::move(text), options, asked, events, frontend);
   });
 }

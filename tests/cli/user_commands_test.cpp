@@ -159,7 +159,7 @@ TEST_F(UserCommandRuns, NothingIsSentThatCannotBeRun) {
   folder_.write("M101", "#!/bin/sh\n");
   both("G21\nM101\n", "M101 is not executable; permit it: chmod +x");
   command("M101");
-  both("M101 X5\n", "p.ngc:1: 'X5' is in the line of a user command");
+  both("M101 X5\n", "p.ngc:1:6: 'X5' is in the line of a user command");
   both("o1 if [1]\nM102\no1 endif\n", "p.ngc:2: 'M102': there is no file");
   both("G21\nG41.1 D1\nG0 X5\nM101\nG40\n", "error:90");
   EXPECT_FALSE(std::filesystem::exists(log()));
