@@ -252,6 +252,7 @@ class Joiner {
     contour.colour = chains_[first].colour;
     contour.area = chains_[first].area;
     contour.fill_rule = chains_[first].fill_rule;
+    contour.covers = chains_[first].covers;
     contour.closed = closed;
     connect(contour);
     return {first, std::move(contour)};

@@ -27,6 +27,7 @@ struct Contour {
   std::vector<Edge> edges;
   bool closed = false;  ///< the last edge ends exactly where the first begins
   model::FillRule fill_rule = model::FillRule::even_odd;  ///< of its area
+  bool covers = false;                                    ///< as of model::Path
   std::uint32_t layer = 0;
   model::Colour colour = model::no_colour;  ///< of its first curve in the file
   std::uint32_t area = 0;                   ///< as of model::Path, of its first curve
@@ -58,6 +59,7 @@ enum class FaultKind {
   vanished,   ///< a contour that has no offset; size: its length
   overlap,    ///< edges on the same line or arc; size: length of the common part
   unhatched,  ///< an area between two lines of its hatch; size: its height
+  unfilled,   ///< an outline without a fill beside filled areas that are engraved; size: as above
   beams,      ///< of two contours, which cross; size: 0
   near        ///< the beam along one contour cuts into another; size: of the gap between them
 };

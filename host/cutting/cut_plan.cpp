@@ -49,10 +49,14 @@ class Planner {
   void engrave(std::size_t number) {
     const Operation& operation = operations_[number];
     PlannedCut cut{number, shapes_.size(), {}};
-    std::vector<Contour> contours;
+    std::vector<Contour> contours, covers;
     std::vector<std::size_t> numbers;
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
-      if (shapes_[i].operation != number) continue;
+      if (shapes_[i].operation != number) {
+        if (shapes_[i].contour.covers && shapes_[i].contour.closed)
+          covers.push_back(shapes_[i].contour);
+        continue;
+      }
       if (!shapes_[i].contour.closed)
         throw Error(Exit::bad_input, operation.name,
                     fmt::format("the open {} has no area", contour_text(shapes_[i].contour)),
@@ -61,7 +65,7 @@ class Planner {
       contours.push_back(shapes_[i].contour);
       numbers.push_back(i);
     }
-    Engraving engraving = engrave_areas(contours, operation, position_);
+    Engraving engraving = engrave_areas(contours, covers, operation, position_);
     cut.strokes = std::move(engraving.strokes);
     if (contours.empty()) return;
     if (cut.strokes.empty())
@@ -69,11 +73,13 @@ class Planner {
                   fmt::format("no line of a hatch of {:g} mm crosses the {}", operation.hatch_mm,
                               contour_text(contours.front())),
                   "give a smaller hatch");
-    for (const std::size_t i : engraving.missed) {
+    const auto report = [&](FaultKind kind, std::size_t i) {
       const Box box = box_of(contours[i]);
       plan_.faults.push_back(
-          {FaultKind::unhatched, (box.low + box.high) * 0.5, box.high.y - box.low.y, numbers[i]});
-    }
+          {kind, (box.low + box.high) * 0.5, box.high.y - box.low.y, numbers[i]});
+    };
+    for (const std::size_t i : engraving.missed) report(FaultKind::unhatched, i);
+    for (const std::size_t i : engraving.unfilled) report(FaultKind::unfilled, i);
     append(std::move(cut));
   }
 

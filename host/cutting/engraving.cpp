@@ -12,7 +12,7 @@ namespace lamplock::cutting {
 namespace {
 
 /// Contours that are filled together: their boxes are not farther apart than a gap that is
-/// crossed at the feed. The next area is the nearest one.
+/// crossed at the feed. The next area is the nearest one. Covers alone are no area.
 std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& contours,
                                                double max_gap_mm, const Vec& position) {
   std::vector<Box> boxes;
@@ -23,6 +23,9 @@ std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& conto
   for (std::size_t i = 0; i < boxes.size(); ++i)
     tree.visit(boxes[i].grown(max_gap_mm), [&](std::size_t j) { joined.join(i, j); });
   std::vector<std::vector<std::size_t>> areas = joined.sets();
+  std::erase_if(areas, [&](const std::vector<std::size_t>& area) {
+    return std::all_of(area.begin(), area.end(), [&](std::size_t i) { return contours[i].covers; });
+  });
   std::vector<CutStop> stops;
   stops.reserve(areas.size());
   for (const std::vector<std::size_t>& area : areas) {
@@ -54,6 +57,28 @@ Stroke stroke_of(const HatchRow& row, double overscan_mm) {
   return stroke;
 }
 
+/// The contours that decide what is filled, with their numbers: those with a fill and all covers,
+/// or without any fill all as lines.
+std::vector<Contour> painted_contours(const std::vector<Contour>& contours,
+                                      const std::vector<Contour>& covers,
+                                      std::vector<std::size_t>& numbers) {
+  const bool has_fill = std::any_of(contours.begin(), contours.end(), [](const Contour& contour) {
+    return contour.area != 0 && !contour.covers;
+  });
+  std::vector<Contour> painted;
+  painted.reserve(contours.size() + covers.size());
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (has_fill && contours[i].area == 0) continue;
+    painted.push_back(contours[i]);
+    numbers.push_back(i);
+    if (has_fill) continue;
+    painted.back().area = 0;
+    painted.back().covers = false;
+  }
+  if (has_fill) painted.insert(painted.end(), covers.begin(), covers.end());
+  return painted;
+}
+
 /// Every second row runs back. Rows are divided at gaps that rapids cross.
 void append_rows(std::vector<HatchRow> rows, const Operation& operation,
                  std::vector<Stroke>& strokes) {
@@ -77,17 +102,22 @@ void append_rows(std::vector<HatchRow> rows, const Operation& operation,
 
 }  // namespace
 
-Engraving engrave_areas(const std::vector<Contour>& contours, const Operation& operation,
-                        const Vec& position) {
+Engraving engrave_areas(const std::vector<Contour>& contours, const std::vector<Contour>& covers,
+                        const Operation& operation, const Vec& position) {
   Engraving engraving;
-  for (const std::vector<std::size_t>& area : areas_of(contours, operation.max_gap_mm, position)) {
+  std::vector<std::size_t> numbers;
+  const std::vector<Contour> painted = painted_contours(contours, covers, numbers);
+  for (std::size_t i = 0; i < contours.size(); ++i)
+    if (!std::binary_search(numbers.begin(), numbers.end(), i)) engraving.unfilled.push_back(i);
+  for (const std::vector<std::size_t>& area : areas_of(painted, operation.max_gap_mm, position)) {
     std::vector<Contour> filled;
     filled.reserve(area.size());
-    for (const std::size_t i : area) filled.push_back(contours[i]);
+    for (const std::size_t i : area) filled.push_back(painted[i]);
     std::vector<std::size_t> missed;
     append_rows(hatch(filled, {operation.hatch_mm, operation.hatch_deg}, &missed), operation,
                 engraving.strokes);
-    for (const std::size_t i : missed) engraving.missed.push_back(area[i]);
+    for (const std::size_t i : missed)
+      if (!filled[i].covers) engraving.missed.push_back(numbers[area[i]]);
   }
   return engraving;
 }

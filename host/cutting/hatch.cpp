@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/geometry/limits.hpp"
@@ -33,31 +35,40 @@ class Areas {
   std::uint32_t index_of(const Contour& contour) {
     const auto next = static_cast<std::uint32_t>(areas_.size());
     const auto [entry, is_new] = indices_.try_emplace(contour.area, next);
-    if (is_new) areas_.push_back({contour.area != 0, contour.fill_rule, 0});
+    if (is_new) areas_.push_back({contour.area, contour.fill_rule, contour.covers, 0});
     return entry->second;
   }
 
   void start_row() {
     for (Area& area : areas_) area.turns = 0;
-    count_ = 0;
+    around_.clear();
     is_odd_ = false;
   }
   void cross(const Crossing& crossing) {
     Area& area = areas_[crossing.area];
-    if (!area.is_numbered) {
+    if (area.number == 0) {
       is_odd_ = !is_odd_;
       return;
     }
-    count_ -= is_inside(area) ? 1 : 0;
+    const bool was_inside = is_inside(area);
     area.turns += crossing.turn;
-    count_ += is_inside(area) ? 1 : 0;
+    if (is_inside(area) == was_inside) return;
+    if (was_inside)
+      around_.erase({area.number, area.covers});
+    else
+      around_.insert({area.number, area.covers});
   }
-  bool are_filled() const { return (count_ > 0) != is_odd_; }
+  bool are_filled() const {
+    if (around_.empty()) return is_odd_;
+    const auto& [number, covers] = *around_.rbegin();
+    return !covers;
+  }
 
  private:
   struct Area {
-    bool is_numbered;
+    std::uint32_t number;  ///< in the order in which areas are painted; 0: contours without one
     model::FillRule rule;
+    bool covers;
     int turns;  ///< of its outline around the place
   };
   static bool is_inside(const Area& area) {
@@ -66,8 +77,8 @@ class Areas {
 
   std::unordered_map<std::uint32_t, std::uint32_t> indices_;
   std::vector<Area> areas_;
-  int count_ = 0;        ///< of areas around the place
-  bool is_odd_ = false;  ///< contours without an area around it
+  std::set<std::pair<std::uint32_t, bool>> around_;  ///< numbers of areas, and if they cover others
+  bool is_odd_ = false;                              ///< contours without an area around the place
 };
 
 /// Crossings of horizontal lines at the middles of strips with edges, by row.

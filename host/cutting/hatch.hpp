@@ -21,10 +21,10 @@ struct HatchOptions {
   double angle_deg = 0;  ///< of the lines, counter-clockwise from X
 };
 
-/// Rows in the order of their distance from the first one, all in the same direction. Contours of
-/// an area fill what its rule says, and areas are united. Contours without one, of which an odd
-/// number is around a place, fill it, and leave it out if an area fills it; so drawings without
-/// areas are filled by the even-odd rule. Open contours are skipped. `missed` gets the numbers of
+/// Rows in the order of their distance from the first one, all in the same direction. The outline
+/// of an area is around places by its rule; of those around a place the one painted last decides
+/// whether it is filled. A place without an area around it is filled if an odd number of the other
+/// contours is around it. Open contours are skipped. `missed` gets the numbers of
 /// the closed contours that no row crosses, if it is not null. Throws Error (bad_input) for a
 /// distance that is not positive and for more than model::max_pieces rows.
 std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options,

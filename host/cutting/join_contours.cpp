@@ -103,6 +103,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
     Contour chain{edges_of(path, options.curve_tolerance_mm),
                   path.closed,
                   path.fill_rule,
+                  path.covers,
                   path.layer,
                   path.colour,
                   path.area};

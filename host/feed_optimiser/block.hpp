@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -26,6 +27,9 @@ struct Arc {
   Point begin_off{}, end_off{};
 };
 
+/// A bit for each of X, Y and Z.
+inline constexpr std::uint8_t all_axes = 7;
+
 struct Block {
   Point from{}, to{};
   std::optional<Arc> arc{};  ///< empty: a straight line
@@ -33,6 +37,9 @@ struct Block {
   /// Programmed speed along the path; infinite: none.
   double feed_mm_s = std::numeric_limits<double>::infinity();
   bool rapid = false;
+  /// A bit for each axis that has a place at the end: the others are where the machine is, which a
+  /// program need not say.
+  std::uint8_t placed_axes = all_axes;
   std::size_t line = 0;  ///< of the program, or number of the end point in the polyline
 
   /// The place at a distance from the begin.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -16,10 +17,13 @@ constexpr double max_sagitta_mm = 0.002;
 /// A shorter piece has no direction in the decimals of the program.
 constexpr double min_piece_mm = 0.002;
 constexpr double s_per_min = 60;
+constexpr unsigned xy = 3;  // of all_axes
 
-std::string axis_words(const Point& p, const Point& origin, bool has_z) {
-  std::string words = fmt::format(" X{:.5f} Y{:.5f}", p.x - origin.x, p.y - origin.y);
-  if (has_z) words += fmt::format(" Z{:.5f}", p.z - origin.z);
+std::string axis_words(const Point& p, const Point& origin, unsigned axes) {
+  const std::array<double, feed_optimiser::axes> at{p.x - origin.x, p.y - origin.y, p.z - origin.z};
+  std::string words;
+  for (std::size_t a = 0; a < at.size(); ++a)
+    if ((axes >> a & 1u) != 0) words += fmt::format(" {}{:.5f}", "XYZ"[a], at[a] + 0.0);
   return words;
 }
 
@@ -37,7 +41,7 @@ bool moves_z(const FeedProgram& program, const Point& origin) {
 class Writer {
  public:
   Writer(const FeedProgram& program, const Point& origin)
-      : program_(program), origin_(origin), has_z_(moves_z(program, origin)) {
+      : program_(program), origin_(origin), axes_(moves_z(program, origin) ? all_axes : xy) {
     text_ = "G21 G90 G94 G17\n";
   }
 
@@ -47,11 +51,8 @@ class Writer {
       if (line.starts_with("M3") || line.starts_with("M4") || line.starts_with("M5")) code_.clear();
     }
     if (part.blocks.empty()) return;
-    const Point& from = part.blocks.front().from;
-    if (is_first_) {
-      if (!(from == origin_)) text_ += "G0" + axis_words(from, origin_, has_z_) + '\n';
-      is_first_ = false;
-    }
+    if (is_first_ && program_.start) text_ += move("G0", *program_.start, all_axes) + '\n';
+    is_first_ = false;
     if (part.laser.code.empty() || part.blocks.front().rapid) return;
     if (part.laser.code != code_) {
       text_ += part.laser.code;
@@ -61,10 +62,10 @@ class Writer {
     code_ = part.laser.code;
   }
 
-  void rapid(const Point& to) { text_ += "G0" + axis_words(to, origin_, has_z_) + '\n'; }
-  void feed(const Point& to, double feed_mm_s, double s) {
-    text_ +=
-        "G1" + axis_words(to, origin_, has_z_) + fmt::format(" F{:.3f}", feed_mm_s * s_per_min);
+  void rapid(const Block& block) { text_ += move("G0", block.to, block.placed_axes) + '\n'; }
+  /// To a place of the block.
+  void feed(const Block& block, const Point& to, double feed_mm_s, double s) {
+    text_ += move("G1", to, block.placed_axes) + fmt::format(" F{:.3f}", feed_mm_s * s_per_min);
     if (!code_.empty() && code_ != "M5")
       if (std::string word = fmt::format(" S{:.3f}", s); word != s_word_) {
         text_ += word;
@@ -78,9 +79,13 @@ class Writer {
   }
 
  private:
+  std::string move(const char* code, const Point& to, unsigned axes) const {
+    return code + axis_words(to, origin_, axes & axes_);
+  }
+
   const FeedProgram& program_;
   const Point origin_;
-  const bool has_z_;
+  const unsigned axes_;  ///< of the machine
   bool is_first_ = true;
   std::string text_, code_, s_word_;
 };
@@ -103,8 +108,15 @@ void write_block(Writer& writer, const OptimisedBlock& optimised, const Laser& l
     const double feed = length / time, programmed = optimised.block.feed_mm_s;
     // M4 scales the power by the speed over the feed: with a lower feed this has to be in S.
     const bool scales = laser.code == "M4" && std::isfinite(programmed);
-    writer.feed(i == last ? optimised.block.to : optimised.block.at(s[i]), feed,
-                scales ? laser.s * std::min(1.0, feed / programmed) : laser.s);
+    const double power = scales ? laser.s * std::min(1.0, feed / programmed) : laser.s;
+    // The way of one control period may be longer than a chord.
+    const auto chords = static_cast<std::size_t>(std::max(1.0, std::ceil(length / max_mm - 1e-9)));
+    const double chord_mm = length / static_cast<double>(chords);
+    for (std::size_t k = 1; k < chords; ++k)
+      writer.feed(optimised.block, optimised.block.at(s[begun] + static_cast<double>(k) * chord_mm),
+                  feed, power);
+    writer.feed(optimised.block, i == last ? optimised.block.to : optimised.block.at(s[i]), feed,
+                power);
     begun = i;
   }
 }
@@ -118,6 +130,10 @@ std::vector<Block> FeedProgram::all_blocks() const {
   return blocks;
 }
 
+std::string rapid_line(const Block& block) {
+  return "G0" + axis_words(block.to, {}, block.placed_axes);
+}
+
 void join_straight(FeedProgram& program, const Method& method) {
   for (Part& part : program.parts) part.blocks = join_straight(part.blocks, method);
 }
@@ -128,14 +144,15 @@ std::string plain_program(const FeedProgram& program, const Point& origin, doubl
     writer.begin(part);
     for (const Block& block : part.blocks) {
       if (block.rapid) {
-        writer.rapid(block.to);
+        writer.rapid(block);
         continue;
       }
       const auto pieces = static_cast<std::size_t>(
           std::max(1.0, std::ceil(block.length_mm / max_piece_mm(block) - 1e-9)));
       const double feed = std::isfinite(block.feed_mm_s) ? block.feed_mm_s : feed_mm_s;
       for (std::size_t i = 1; i <= pieces; ++i)
-        writer.feed(i == pieces ? block.to
+        writer.feed(block,
+                    i == pieces ? block.to
                                 : block.at(block.length_mm * static_cast<double>(i) /
                                            static_cast<double>(pieces)),
                     feed, part.laser.s);
@@ -153,7 +170,7 @@ std::string optimised_program(const FeedProgram& program,
     writer.begin(part);
     for (const Block& block : part.blocks) {
       if (block.rapid)
-        writer.rapid(block.to);
+        writer.rapid(block);
       else
         write_block(writer, optimised[next], part.laser, piece_s);
       ++next;

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,12 +31,16 @@ struct Part {
 };
 
 struct FeedProgram {
+  std::optional<Point> start{};  ///< the place that is approached first, of a list of points
   std::vector<Part> parts{};
   std::vector<std::string> lines_after{};
   std::vector<std::string> remarks{};
 
   std::vector<Block> all_blocks() const;
 };
+
+/// "G0 X1.00000": the axes that have a place at the end of the block.
+std::string rapid_line(const Block& block);
 
 /// Joins straight blocks in each part.
 void join_straight(FeedProgram& program, const Method& method);

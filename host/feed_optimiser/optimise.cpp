@@ -120,7 +120,8 @@ double off_line_mm(const Block& before, const Block& whole) {
 }
 
 bool joins(const Block& before, const Block& next, const Method& method) {
-  if (before.arc || next.arc || before.rapid != next.rapid || before.feed_mm_s != next.feed_mm_s)
+  if (before.arc || next.arc || before.rapid != next.rapid || before.feed_mm_s != next.feed_mm_s ||
+      before.placed_axes != next.placed_axes)
     return false;
   const PathLimits limits = path_limits(next, method.limits);
   const Block whole = straight_block(before.from, next.to);
@@ -139,11 +140,8 @@ bool joins(const Block& before, const Block& next, const Method& method) {
 /// A block without a length was dropped before this one.
 void begin_at(Block& block, const Point& from) {
   if (block.arc || block.from == from) return;
-  Block straight = straight_block(from, block.to);
-  straight.feed_mm_s = block.feed_mm_s;
-  straight.rapid = block.rapid;
-  straight.line = block.line;
-  block = straight;
+  block.from = from;
+  block.length_mm = straight_block(from, block.to).length_mm;
 }
 
 }  // namespace
@@ -195,6 +193,7 @@ std::vector<Block> join_straight(std::span<const Block> blocks, const Method& me
         off_mm += more_mm;
         whole.feed_mm_s = block.feed_mm_s;
         whole.rapid = block.rapid;
+        whole.placed_axes = block.placed_axes;
         whole.line = block.line;
         joined.back() = whole;
         continue;

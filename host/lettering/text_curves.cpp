@@ -115,6 +115,7 @@ class TextDrawing {
       path.layer = block.layer;
       path.colour = block.colour;
       path.area = block.area;
+      path.covers = block.covers;
       // Outlines of fonts cross and overlap where their strokes do.
       path.fill_rule = block.area != 0 ? model::FillRule::non_zero : model::FillRule::even_odd;
       curves_.paths.push_back(std::move(path));

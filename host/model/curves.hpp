@@ -56,10 +56,11 @@ struct Path {
   std::vector<Piece> pieces;  ///< never empty
   bool closed = false;        ///< the last piece ends where the first begins
   FillRule fill_rule = FillRule::even_odd;
+  bool covers = false;        ///< its area has the colour of the page: it hides those before it
   std::uint32_t layer = 0;    ///< of Curves::layers
   Colour colour = no_colour;  ///< of the line, otherwise of the area
-  /// Paths with the same number are the outline of one filled area; 0: the file does not say what
-  /// is filled, or fills it in the colour of the page.
+  /// Paths with the same number are the outline of one filled area; areas have numbers in the order
+  /// in which they are painted. 0: the file does not say what is filled.
   std::uint32_t area = 0;
 };
 

@@ -299,7 +299,7 @@ class SvgReader {
     if (!clip(node, context)) return;
     const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
-    const std::uint32_t area = fills && !paint.fill_is_white ? ++areas_ : 0;
+    const std::uint32_t area = paint.shows_fill() && !has_dashes(node, paint) ? ++areas_ : 0;
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
       if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
@@ -308,6 +308,7 @@ class SvgReader {
         part.colour = paint.colour();
         part.area = area;
         part.fill_rule = paint.fill_rule;
+        part.covers = paint.fill_is_white;
         if (is_background)
           background_.emplace(Background{std::move(part), context.layer, place});
         else

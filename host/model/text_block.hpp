@@ -37,7 +37,8 @@ struct TextBlock {
   bool follows = false;
   double shift_x = 0, shift_y = 0;
   bool is_drawn = true;     ///< false: it only needs room in its line
-  bool is_filled = false;   ///< in another colour than the page's
+  bool is_filled = false;   ///< an area, not a line
+  bool covers = false;      ///< as of paths
   std::uint32_t area = 0;   ///< as of paths, of all letters of the block
   std::uint32_t layer = 0;  ///< as of paths
   Colour colour = no_colour;

@@ -53,12 +53,13 @@ const char* refused_kind(ActionKind kind) {
 /// Collects the actions of a program.
 class PathReader {
  public:
-  PathReader(const std::string& file, bool has_laser) : file_(file), has_laser_(has_laser) {}
+  PathReader(const std::string& file, bool has_laser, const PerAxis<double>& start_mm)
+      : file_(file), has_laser_(has_laser), at_(start_mm) {}
 
   void take(const Action& action, std::size_t line) {
     if (const char* what = refused_kind(action.kind); what != nullptr)
       throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line),
-                  fmt::format("{} cannot be written into another program", what),
+                  fmt::format("{} is not part of a path of lines and arcs", what),
                   "give the parts before and after this line");
     switch (action.kind) {
       case ActionKind::move:
@@ -165,7 +166,7 @@ class PathReader {
 
   const std::string& file_;
   const bool has_laser_;
-  PerAxis<double> at_{};
+  PerAxis<double> at_;
   bool in_curve_ = false;
   double timed_s_ = 0;
   std::vector<PathStep> steps_;
@@ -174,11 +175,15 @@ class PathReader {
 }  // namespace
 
 std::vector<PathStep> program_path(std::string_view text, const settings::Values& values,
-                                   const std::string& file) {
+                                   const std::string& file, const PerAxis<double>& start_mm) {
   program::Parameters parameters;
   const program::Options options = program_options(values);
   program::Interpreter interpreter(parameters, options);
-  PathReader reader(file, values.whole(settings::Id::laser_mode) != 0);
+  program::Place start_e7{};
+  for (std::size_t a = 0; a < start_e7.size(); ++a)
+    start_e7[a] = std::llround(start_mm[a] * place_unit);
+  interpreter.set_position(start_e7);
+  PathReader reader(file, values.whole(settings::Id::laser_mode) != 0, place_mm(start_e7));
   text = without_byte_order_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);

@@ -5,7 +5,7 @@
 //      coolant, pauses and the end. Who: `lamplock jerk`, which writes the program again with other
 //      feeds, and `lamplock heat`.
 //
-// The program starts at machine zero. Coordinates are those of the machine, in mm.
+// Coordinates are those of the machine, in mm.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +40,8 @@ struct PathStep {
 
 /// Throws Error(bad_input) about FILE:LINE for a line with an error, and for one whose effect
 /// cannot be written again: probing, points on the beat, pixels, outputs, inputs, tool changes.
+/// `start_mm`: where the machine is at the begin.
 std::vector<PathStep> program_path(std::string_view text, const settings::Values& values,
-                                   const std::string& file);
+                                   const std::string& file, const PerAxis<double>& start_mm = {});
 
 }  // namespace lamplock::program_run

@@ -245,6 +245,8 @@ const char* fault_name(FaultKind kind) {
       return "gap narrower than the beam, which cuts into the contours at both sides of it";
     case FaultKind::unhatched:
       return "contour that no line of the hatch crosses";
+    case FaultKind::unfilled:
+      return "contour without a fill beside filled ones, not engraved";
   }
   return "";
 }

@@ -98,15 +98,6 @@ BoardMotion run_on_drives(const std::string& text, const ServoMachine& machine,
   return motion;
 }
 
-geometry::Point board_origin(const FeedProgram& program) {
-  for (const Part& part : program.parts) {
-    if (part.blocks.empty()) continue;
-    return part.laser.code.empty() && !part.blocks.front().rapid ? part.blocks.front().from
-                                                                 : geometry::Point{};
-  }
-  return {};
-}
-
 bool moves_only_xy(const FeedProgram& program) {
   for (const Block& block : program.all_blocks())
     if (block.from.z != block.to.z || (block.arc && block.arc->along != 2)) return false;
@@ -132,7 +123,7 @@ std::vector<ComparedFeed> compare_feeds(const FeedProgram& program, const Method
   constexpr std::size_t compared = 3;
   const auto progress = frontend.progress("feeds compared", compared, 0);
   const bool has_drives = moves_only_xy(program);
-  const geometry::Point origin = board_origin(program);
+  const geometry::Point origin = program.start.value_or(geometry::Point{});
   std::vector<ComparedFeed> rows;
   const std::string plain = plain_program(program, origin, largest(method.limits.speed_mm_s));
   rows.push_back({"firmware's own plan", {}, {}, {}});

@@ -40,9 +40,6 @@ program_run::ServoMachine drives_with(const program_run::ServoMachine& machine,
 /// Runs G-code in X and Y. Throws Error.
 BoardMotion run_on_drives(const std::string& text, const program_run::ServoMachine& machine,
                           const std::string& name);
-
-/// Where the program begins for a board at zero: its first place, if it has no rapids.
-geometry::Point board_origin(const feed_optimiser::FeedProgram& program);
 /// Simulated drives have two axes.
 bool moves_only_xy(const feed_optimiser::FeedProgram& program);
 

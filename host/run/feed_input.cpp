@@ -13,6 +13,7 @@
 #include "host/program/board_lines.hpp"
 #include "host/program/program_path.hpp"
 #include "host/program/program_run.hpp"
+#include "host/run/placed_axes.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/text.hpp"
 #include "shared/gcode_words.hpp"
@@ -37,6 +38,7 @@ Error no_block(const std::string& file) {
 FeedProgram polyline(const std::string& file) {
   const geometry::PointCloud points = model::read_point_list(file);
   FeedProgram program;
+  if (!points.empty()) program.start = points.front();
   program.parts.emplace_back();
   for (std::size_t i = 1; i < points.size(); ++i) {
     Block block = feed_optimiser::straight_block(points[i - 1], points[i]);
@@ -137,14 +139,24 @@ FeedProgram program_blocks(const std::string& file, const job::Profile& profile,
   const std::string text = read_program_text(file);
   require_own_places(text, file);
   require_runnable(text, file, profile, has_machine);
+  const std::vector<PathStep> path = program_run::program_path(text, profile.settings, file);
+  const std::vector<std::uint8_t> placed = placed_axes(path, text, profile.settings, file);
   FeedProgram program;
   std::vector<std::string> lines;
-  for (const PathStep& step : program_run::program_path(text, profile.settings, file)) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const PathStep& step = path[i];
     if (step.move.vertices.empty()) {
       lines.push_back(step.text);
       continue;
     }
-    const std::vector<Block> blocks = blocks_of(step.move, file, program.remarks);
+    std::vector<Block> blocks = blocks_of(step.move, file, program.remarks);
+    for (Block& block : blocks) block.placed_axes = placed[i];
+    // The plan starts at 0: a rapid to this place has no way in it, and the machine may be
+    // elsewhere.
+    if (blocks.back().length_mm == 0 && placed[i] != (i == 0 ? 0 : placed[i - 1])) {
+      lines.push_back(feed_optimiser::rapid_line(blocks.back()));
+      continue;
+    }
     // Rapids and feed moves do not share a part: the laser is set before the first feed move.
     const Laser laser = step.move.rapid ? Laser{} : laser_of(step.move);
     if (program.parts.empty() || !lines.empty() || !(program.parts.back().laser == laser)) {

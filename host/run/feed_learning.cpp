@@ -42,8 +42,9 @@ LearnedLaw measured(const JerkLaw& law, const BoardMotion& motion) {
 BoardMotion run_with(const FeedProgram& program, const std::vector<OptimisedBlock>& blocks,
                      const program_run::ServoMachine& machine, double piece_s,
                      const std::string& name) {
-  return run_on_drives(optimised_program(program, blocks, board_origin(program), piece_s), machine,
-                       name);
+  return run_on_drives(
+      optimised_program(program, blocks, program.start.value_or(geometry::Point{}), piece_s),
+      machine, name);
 }
 
 }  // namespace

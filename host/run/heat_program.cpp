@@ -173,14 +173,13 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
     return;
   }
   constexpr std::size_t max_lines = 20;
-  frontend.say("warning   {} above {:.0f} K; power or feed for each:",
+  frontend.say("warning   {} above {:.0f} K; what brings each to it:",
                count_text(out.overheated.size(), "line"), out.limit_k);
   for (std::size_t i = 0; i < std::min(max_lines, out.overheated.size()); ++i) {
     const thermal::Overheated& one = out.overheated[i];
-    const std::string feed =
-        one.heat.speed_mm_s > 0
-            ? fmt::format(" or feed {:.0f} mm/min", one.heat.speed_mm_s * one.feed_factor * 60)
-            : ", or a shorter dwell";
+    std::string feed = "; a greater feed does not help there";
+    if (one.feed_factor) feed = fmt::format(" or feed {:.0f} mm/min", *one.feed_mm_min());
+    if (one.heat.speed_mm_s == 0) feed = ", or a shorter dwell";
     frontend.say("  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W ({:.0f} % of its S){}",
                  one.heat.line, one.heat.hottest.max_k, one.heat.hottest.x, one.heat.hottest.y,
                  one.heat.power_w * one.power_factor, 100 * one.power_factor, feed);
@@ -192,6 +191,28 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
                  *out.max_with_proposal_k > out.limit_k
                      ? ": write them into the program, and compute again"
                      : "");
+}
+
+/// Runs the path with the proposed powers, and with the proposed feeds.
+void check_proposals(ProgramHeat& out, const std::vector<BeamMove>& moves,
+                     const thermal::PathSetup& setup, Frontend& frontend) {
+  if (out.overheated.empty()) return;
+  const auto run = [&](const char* title, const std::vector<BeamMove>& changed) {
+    return run_shown({title, thermal::path_steps(changed, setup)}, changed, setup, nullptr,
+                     frontend);
+  };
+  double max_k = 0;
+  for (const thermal::PathSample& sample :
+       run("heat with proposed powers", thermal::with_proposed_power(moves, out.overheated))
+           .samples)
+    max_k = std::max(max_k, sample.max_k);
+  out.max_with_proposal_k = max_k;
+  if (std::none_of(out.overheated.begin(), out.overheated.end(),
+                   [](const thermal::Overheated& one) { return one.feed_factor.has_value(); }))
+    return;
+  const auto faster = thermal::with_proposed_feed(moves, out.overheated);
+  const auto lines = thermal::hottest_of_lines(faster, run("heat with proposed feeds", faster));
+  thermal::keep_effective_feeds(out.overheated, lines, out.limit_k, setup.surface.ambient_k);
 }
 
 /// The hottest line that moves is computed with a finer mesh.
@@ -244,14 +265,7 @@ ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
   out.limit_k = options.limit_k.value_or(ambient + usual_margin * (usual - ambient));
   out.overheated = thermal::overheated_lines(out.lines, out.limit_k, ambient);
   say_path(out, usual, frontend);
-  if (!out.overheated.empty()) {
-    const auto changed = thermal::with_proposed_power(moves, out.overheated);
-    double max_changed = 0;
-    for (const thermal::PathSample& sample :
-         run_shown({"heat with proposed powers", steps}, changed, setup, nullptr, frontend).samples)
-      max_changed = std::max(max_changed, sample.max_k);
-    out.max_with_proposal_k = max_changed;
-  }
+  check_proposals(out, moves, setup, frontend);
   say_overheated(out, frontend);
   if (options.has_check) check_mesh(out, setup, frontend);
   write_heat_files(

@@ -143,9 +143,33 @@ std::vector<Overheated> overheated_lines(const std::vector<LineHeat>& lines, dou
   for (const LineHeat& heat : lines) {
     if (heat.hottest.max_k <= limit_k) continue;
     const double factor = (limit_k - ambient_k) / (heat.hottest.max_k - ambient_k);
-    out.push_back({heat, factor, 1 / (factor * factor)});
+    out.push_back({heat, factor, {}});
+    // Where the beam brakes or turns its speed does not follow from the feed.
+    constexpr double min_part_of_feed = 0.95;
+    if (heat.speed_mm_s > 0 && heat.hottest.speed_mm_s >= min_part_of_feed * heat.speed_mm_s)
+      out.back().feed_factor = 1 / (factor * factor);
   }
   return out;
+}
+
+std::vector<BeamMove> with_proposed_feed(std::vector<BeamMove> moves,
+                                         const std::vector<Overheated>& lines) {
+  std::map<std::size_t, double> factors;
+  for (const Overheated& one : lines) factors[one.heat.line] = one.feed_factor.value_or(1);
+  for (BeamMove& move : moves)
+    if (const auto found = factors.find(move.line); found != factors.end())
+      move.speed_mm_s *= found->second;
+  return moves;
+}
+
+void keep_effective_feeds(std::vector<Overheated>& lines, const std::vector<LineHeat>& with_feeds,
+                          double limit_k, double ambient_k) {
+  constexpr double max_rise = 1.05;
+  for (const LineHeat& after : with_feeds) {
+    if (after.hottest.max_k - ambient_k <= max_rise * (limit_k - ambient_k)) continue;
+    for (Overheated& one : lines)
+      if (one.heat.line == after.line) one.feed_factor.reset();
+  }
 }
 
 std::vector<BeamMove> with_proposed_power(std::vector<BeamMove> moves,

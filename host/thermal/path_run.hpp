@@ -64,11 +64,25 @@ double usual_temperature_k(const std::vector<BeamMove>& moves, const PathResult&
 struct Overheated {
   LineHeat heat{};
   double power_factor = 1;  ///< the rise is proportional to the power
-  /// A fast beam heats in proportion to 1/sqrt(v): the feed grows by the square.
-  double feed_factor = 1;
+  /// A fast beam heats in proportion to 1/sqrt(v): the feed grows by the square. Empty where the
+  /// beam is at rest or slower than the feed at the hottest moment, as in turns and stops.
+  std::optional<double> feed_factor{};
+
+  std::optional<double> feed_mm_min() const {
+    constexpr double s_per_min = 60;
+    if (!feed_factor) return std::nullopt;
+    return heat.speed_mm_s * *feed_factor * s_per_min;
+  }
 };
 std::vector<Overheated> overheated_lines(const std::vector<LineHeat>& lines, double limit_k,
                                          double ambient_k);
+/// The moves with the proposed feeds.
+std::vector<BeamMove> with_proposed_feed(std::vector<BeamMove> moves,
+                                         const std::vector<Overheated>& lines);
+/// Removes the proposals of feeds with which, in a run with all of them, a line stays above the
+/// limit by more than 5 % of the rise.
+void keep_effective_feeds(std::vector<Overheated>& lines, const std::vector<LineHeat>& with_feeds,
+                          double limit_k, double ambient_k);
 /// The moves with the proposed powers.
 std::vector<BeamMove> with_proposed_power(std::vector<BeamMove> moves,
                                           const std::vector<Overheated>& lines);

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "tests/cli/program.hpp"
 
@@ -68,9 +70,10 @@ TEST(Jerk, WritesAProgramThatCheckAccepts) {
 TEST(Jerk, KeepsTheLightOfDwells) {
   const Folder folder;
   const std::string out = folder / "b.ngc",
-                    file = folder.write("a.ngc",
-                                        "G21 F600\nM3 S200 G1\nG4 P0.3\nX10 S800\nM4\nG4 P0.2\n"
-                                        "X20\nM3 G0 X30\nG4 P0.1\nG1 X40 S100\nG4 P0.4\nM2\n");
+                    file =
+                        folder.write("a.ngc",
+                                     "G21 F600 G0 X0\nM3 S200 G1\nG4 P0.3\nX10 S800\nM4\nG4 P0.2\n"
+                                     "X20\nM3 G0 X30\nG4 P0.1\nG1 X40 S100\nG4 P0.4\nM2\n");
   ASSERT_EQ(run({"jerk", file, "-o", out, "--no-compare"}).status, 0);
   const std::string text = read(out);
   for (const char* part :
@@ -82,8 +85,8 @@ TEST(Jerk, KeepsTheLightOfDwells) {
 
 TEST(Jerk, KeepsTheEnergyOfALaserAndTheSpeedOfASpindle) {
   const Folder folder;
-  const std::string file =
-                        folder.write("a.ngc", "G21 M4 S1000\nG1 X10 F600\nM3 S400 X20\nM5\nM2\n"),
+  const std::string file = folder.write("a.ngc",
+                                        "G21 M4 S1000\nG0 X0\nG1 X10 F600\nM3 S400 X20\nM5\nM2\n"),
                     machine = folder.write("m.toml", "laser_mode = 0\n"), out = folder / "b.ngc";
   const auto written = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"jerk", file, "-o", out, "--no-compare"};
@@ -116,8 +119,8 @@ TEST(Jerk, KeepsTheEnergyOfALaserAndTheSpeedOfASpindle) {
 
 TEST(Jerk, RemarksOnCurvesThatAreNoArcs) {
   const Folder folder;
-  const Finished done =
-      run({"jerk", folder.write("a.ngc", "G1 X5 F100\nG5 X10 Y5 I1 J3 P0 Q3\n"), "--no-compare"});
+  const Finished done = run(
+      {"jerk", folder.write("a.ngc", "G0 X5 Y0 F100\nG5 X10 Y5 I1 J3 P0 Q3\n"), "--no-compare"});
   EXPECT_EQ(done.status, 0) << done.err;
   EXPECT_THAT(done.err, HasSubstr("a.ngc:2: the curve is no arc"));
 }
@@ -185,7 +188,8 @@ TEST(Jerk, ComparesWithTheFirmwareAndTheOptimum) {
 TEST(Jerk, PlansProgramsWithZ) {
   const Folder folder;
   const nlohmann::json seen = json_of(
-      {"jerk", folder.write("a.ngc", "G18 G1 X5 F600\nG2 X10 Z5 I0 K5\nG1 Y3\n"), "--json"});
+      {"jerk", folder.write("a.ngc", "G0 X0 Y0 Z0\nG18 G1 X5 F600\nG2 X10 Z5 I0 K5\nG1 Y3\n"),
+       "--json"});
   EXPECT_EQ(seen["segments"].size(), 3u);
   const nlohmann::json& rows = seen["comparison"];
   EXPECT_TRUE(rows[0]["board"].is_null());
@@ -227,13 +231,80 @@ TEST(Jerk, RefusesWhatItCannotOptimise) {
   refused({line, "--damping", "1e9"}, "--damping");
   refused({line, "--period", "500", "--max-jerk", "1e9", "--max-accel", "1e9"},
           "less than the control period");
-  refused({folder.write("a.ngc", "G1 X2 F100\nG2 X3 Y1 Z2 A1 I1\n")}, "a.ngc:2");
-  refused({folder.write("b.ngc", "G1 X2 F100\nM130 P0\nG1 X3\n")}, "b.ngc:2: points on the beat");
+  refused({folder.write("a.ngc", "G0 X2 Y0 Z0 F100\nG2 X3 Y1 Z2 A1 I1\n")}, "a.ngc:2");
+  refused({folder.write("b.ngc", "G0 X2 F100\nM130 P0\nG1 X3\n")}, "b.ngc:2: points on the beat");
   refused({folder.write("c.ngc", "G21\n")}, "no block");
   refused({folder.write("d.xyz", "1 1 1\n")}, "no block");
   const std::string out = folder / "out.ngc";
   refused({line, "-o", out, "--chart", folder / "a.png"}, "a.png");
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+/// The machine may be anywhere at the start.
+TEST(Jerk, KeepsTheApproach) {
+  const Folder folder;
+  const std::string out = folder / "b.ngc";
+  const auto begin_of = [&](const std::string& file) {
+    EXPECT_EQ(run({"jerk", file, "-o", out, "--no-compare"}).status, 0);
+    const std::string text = read(out);
+    return text.substr(0, text.find("\nG1"));
+  };
+  const auto program = [&](const std::string& text) {
+    return begin_of(folder.write("a.ngc", text + "M3 S500\nG1 X10 F600\n"));
+  };
+  const std::string head = "G21 G90 G94 G17\n", light = "M3 S500.000";
+  EXPECT_EQ(program("G0 X0 Y0\n"), head + "G0 X0.00000 Y0.00000\n" + light);
+  EXPECT_EQ(program("G0 Z5\nG0 X0 Y0\n"),
+            head + "G0 Z5.00000\nG0 X0.00000 Y0.00000 Z5.00000\n" + light);
+  EXPECT_EQ(program("G0 X3\nG0 X6 Y0\n"), head + "G0 X3.00000\nG0 X6.00000 Y0.00000\n" + light)
+      << "no line from where the machine is";
+  EXPECT_EQ(program("G20 G0 X1\nG91 X1\nG90 G21\n"), head + "G0 X50.80000\n" + light);
+  EXPECT_EQ(begin_of(folder.write("a.xyz", "0 0 0\n5 0 0\n")), head + "G0 X0.00000 Y0.00000");
+  EXPECT_EQ(begin_of(folder.write("b.xyz", "0 0 0\n5 0 1\n")),
+            head + "G0 X0.00000 Y0.00000 Z0.00000");
+}
+
+TEST(Jerk, RefusesProgramsThatBeginWhereTheMachineIs) {
+  const Folder folder;
+  const std::string out = folder / "b.ngc";
+  const auto refused = [&](const std::string& text) {
+    const Finished done = run({"jerk", folder.write("a.ngc", text), "-o", out, "--no-compare"});
+    EXPECT_EQ(done.status, 2) << text;
+    EXPECT_FALSE(std::filesystem::exists(out));
+    return done.err;
+  };
+  EXPECT_THAT(refused("G91 F600\nM3 S500\nG1 X10\nG1 Y10\n"), HasSubstr("a.ngc:3: the move"));
+  EXPECT_THAT(refused("G0 X0\nG1 X10 F600\nG1 Y10\n"), HasSubstr("a.ngc:3: the move"));
+  EXPECT_THAT(refused("G0 X0\nG1 X10 F600\nG1 Y10\n"), HasSubstr("along Y yet; begin"));
+  EXPECT_THAT(refused("G91 G0 X5\nG90 G1 X10 F600\n"), HasSubstr("a.ngc:1: the move"));
+  EXPECT_THAT(refused("G0 X0 Y0\nG1 Z-1 F60\nG1 X10\n"), HasSubstr("a.ngc:2: the move"));
+  EXPECT_THAT(refused("G0 X5\nF600 G2 X10 I2.5\n"), HasSubstr("where the machine is"));
+  EXPECT_THAT(refused("G0 X0 Y0\nG81 Z-1 R1 F60\nG80 G1 X10\n"), HasSubstr("where the machine is"));
+}
+
+/// The way of a control period may be longer than a chord of 0.002 mm deviation.
+TEST(Jerk, PiecesStayOnTheirArcInEachPeriod) {
+  const Folder folder;
+  const std::string out = folder / "b.ngc";
+  for (const auto& [radius, period_ms] : {std::pair{20.0, 10}, {2.0, 50}, {50.0, 1}}) {
+    const std::string file =
+        folder.write("a.ngc", fmt::format("G0 X0 Y0\nG2 X{:g} I{:g} F30000\n", 2 * radius, radius));
+    ASSERT_EQ(run({"jerk", file, "-o", out, "--no-compare", "--period", std::to_string(period_ms),
+                   "--max-speed", "1000", "--max-accel", "5000", "--max-jerk", "500000",
+                   "--piece-time", "100"})
+                  .status,
+              0);
+    double x = 0, y = 0, largest = 0;
+    for (const std::string& line : lines(read(out))) {
+      double to_x = 0, to_y = 0;
+      if (std::sscanf(line.c_str(), "G1 X%lf Y%lf", &to_x, &to_y) != 2) continue;
+      const double middle = std::hypot((x + to_x) / 2 - radius, (y + to_y) / 2);
+      largest = std::max(largest, radius - middle);
+      x = to_x, y = to_y;
+    }
+    EXPECT_GT(largest, 0.0005) << radius;
+    EXPECT_LT(largest, 0.00202) << radius;
+  }
 }
 
 TEST(Jerk, RefusesProgramsWhosePlacesDependOnTheBoard) {
@@ -245,8 +316,9 @@ TEST(Jerk, RefusesProgramsWhosePlacesDependOnTheBoard) {
     EXPECT_EQ(done.status, 2) << word;
     EXPECT_THAT(done.err, HasSubstr("a.ngc:2: ")) << word;
   }
-  EXPECT_EQ(run({"jerk", folder.write("b.ngc", "G54 (G55)\nG1 X1 F600\n"), "--no-compare"}).status,
-            0);
+  EXPECT_EQ(
+      run({"jerk", folder.write("b.ngc", "G54 (G55)\nG0 X0\nG1 X1 F600\n"), "--no-compare"}).status,
+      0);
 }
 
 TEST(Jerk, TakesTheMachineIntoAccount) {

@@ -37,7 +37,7 @@ TEST(Engraving, TheNextAreaIsTheNearest) {
   operation.kind = cutting::OperationKind::engrave;
   operation.hatch_mm = 0.2;
   operation.max_gap_mm = 5;
-  const cutting::Engraving engraving = engrave_areas(contours, operation, {0, 0});
+  const cutting::Engraving engraving = engrave_areas(contours, {}, operation, {0, 0});
   // The square of each stroke, in order.
   std::vector<Vec> visited;
   for (const cutting::Stroke& stroke : engraving.strokes) {

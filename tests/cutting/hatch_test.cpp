@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "host/error.hpp"
@@ -73,10 +74,10 @@ TEST(hatch, lines_are_where_an_odd_number_of_contours_is_around) {
   }
 }
 
-/// What SVG fills: each area by its rule, all of them together; other contours leave out what they
-/// are around.
+/// What a picture shows: each area by its rule over those before it; where there is none, the
+/// other contours by the even-odd rule.
 bool is_painted(const std::vector<Contour>& contours, const Vec& at) {
-  bool is_inside_any = false, is_odd = false;
+  std::optional<bool> painted;
   for (std::uint32_t area = 1; area <= 3; ++area) {
     std::vector<Contour> outline;
     for (const Contour& contour : contours)
@@ -84,19 +85,22 @@ bool is_painted(const std::vector<Contour>& contours, const Vec& at) {
     if (outline.empty()) continue;
     const int turns = turns_around(outline, at);
     const bool is_even_odd = outline.front().fill_rule == model::FillRule::even_odd;
-    is_inside_any = is_inside_any || (is_even_odd ? turns % 2 != 0 : turns != 0);
+    if (is_even_odd ? turns % 2 != 0 : turns != 0) painted = !outline.front().covers;
   }
+  if (painted) return *painted;
+  bool is_odd = false;
   for (const Contour& contour : contours)
     if (contour.area == 0 && turns_around({contour}, at) % 2 != 0) is_odd = !is_odd;
-  return is_inside_any != is_odd;
+  return is_odd;
 }
 
-TEST(hatch, areas_are_filled_by_their_rules_and_united) {
+TEST(hatch, the_area_painted_last_decides) {
   Random random(92);
   for (int i = 0; i < scaled(80, 15); ++i) {
     std::array<model::FillRule, 4> rules{};
     for (model::FillRule& rule : rules)
       rule = random.uniform() < 0.5 ? model::FillRule::even_odd : model::FillRule::non_zero;
+    const std::uint64_t cover = 1 + random.next() % 5;  // also none
     std::vector<Contour> contours;
     for (int k = 0; k < 6; ++k) {
       const Vec centre{12 * random.uniform(), 12 * random.uniform()};
@@ -106,6 +110,7 @@ TEST(hatch, areas_are_filled_by_their_rules_and_united) {
       if (random.uniform() < 0.5) star = reversed(star);
       star.area = static_cast<std::uint32_t>(random.next() % 4);
       star.fill_rule = rules[star.area];
+      star.covers = star.area == cover;
       contours.push_back(star);
     }
     const HatchOptions options{0.3, 360 * random.uniform()};

@@ -43,10 +43,14 @@ TEST_F(SvgAreas, the_rule_is_inherited_and_that_of_the_cascade) {
   EXPECT_EQ(rule_of(square("fill-rule='odd'")), FillRule::non_zero) << "not valid: ignored";
 }
 
-TEST_F(SvgAreas, lines_and_areas_in_the_colour_of_the_page_have_none) {
-  for (const std::string more : {"fill='none' stroke='red'", "fill='white'",
-                                 "fill='#fff' stroke='red'", "fill-opacity='0' stroke='red'"})
+TEST_F(SvgAreas, lines_have_none_and_areas_in_the_colour_of_the_page_cover_others) {
+  for (const std::string more : {"fill='none' stroke='red'", "fill-opacity='0' stroke='red'"})
     EXPECT_EQ(shapes("<rect width='4' height='4' " + more + "/>").paths.at(0).area, 0u) << more;
+  for (const std::string more : {"fill='white'", "fill='#fff' stroke='red'"}) {
+    const model::Path path = shapes("<rect width='4' height='4' " + more + "/>").paths.at(0);
+    EXPECT_NE(path.area, 0u) << more;
+    EXPECT_TRUE(path.covers) << more;
+  }
   EXPECT_NE(shapes("<rect width='4' height='4' fill='red' stroke='lime'/>").paths.at(0).area, 0u);
 }
 
@@ -57,8 +61,10 @@ TEST_F(SvgAreas, texts_are_areas) {
   const model::LetteredDrawing drawing = model::read_svg_with_texts(path);
   ASSERT_EQ(drawing.texts.size(), 3u);
   EXPECT_GT(drawing.texts[0].area, drawing.curves.paths.at(0).area);
-  EXPECT_EQ(drawing.texts[1].area, 0u);
-  EXPECT_GT(drawing.texts[2].area, drawing.texts[0].area);
+  EXPECT_GT(drawing.texts[1].area, drawing.texts[0].area);
+  EXPECT_GT(drawing.texts[2].area, drawing.texts[1].area);
+  EXPECT_FALSE(drawing.texts[0].covers);
+  EXPECT_TRUE(drawing.texts[1].covers);
 }
 
 }  // namespace

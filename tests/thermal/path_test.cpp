@@ -105,5 +105,45 @@ TEST(PathRun, ConstantPowerOverheatsCorners) {
   EXPECT_GT(max_of(false), 1.2 * max_of(true));
 }
 
+/// A line that is hot where it brakes stays hot with any feed; a long one at its feed does not.
+TEST(PathRun, FeedsAreProposedWhereTheyHelp) {
+  PathSetup setup{acrylic(), no_losses(), {false, 0.2, 0.2}, {}, {}};
+  const double ambient = setup.surface.ambient_k;
+  const auto proposed = [&](bool is_proportional, double part_of_largest) {
+    const auto moves = path_through({{0, 0}, {10, 0}}, 10, 0.05, is_proportional);
+    const auto lines = hottest_of_lines(moves, run_path(moves, setup));
+    const double limit = ambient + part_of_largest * (lines[0].hottest.max_k - ambient);
+    auto hot = overheated_lines(lines, limit, ambient);
+    EXPECT_EQ(hot.size(), 1u);
+    const auto faster = with_proposed_feed(moves, hot);
+    const auto after = hottest_of_lines(faster, run_path(faster, setup));
+    const bool is_effective = after[0].hottest.max_k - ambient < 1.05 * (limit - ambient);
+    keep_effective_feeds(hot, after, limit, ambient);
+    EXPECT_TRUE(!hot[0].feed_factor || is_effective);
+    return hot[0].feed_mm_min();
+  };
+  setup.accel_mm_s2 = 100;
+  EXPECT_FALSE(proposed(false, 0.9)) << "hottest where it stops";
+  setup.accel_mm_s2 = 1e4;
+  const auto feed = proposed(true, 0.9);
+  ASSERT_TRUE(feed);
+  EXPECT_NEAR(*feed, 600 / (0.9 * 0.9), 1);
+}
+
+TEST(PathRun, FeedsThatDoNotHelpAreNotProposed) {
+  const auto line = [](std::size_t number, double max_k) {
+    LineHeat heat{number, {}, 1, 10};
+    heat.hottest.max_k = max_k;
+    heat.hottest.speed_mm_s = 10;
+    return heat;
+  };
+  auto hot = overheated_lines({line(1, 500), line(2, 600), line(3, 350)}, 400, 300);
+  ASSERT_EQ(hot.size(), 2u);
+  ASSERT_TRUE(hot[0].feed_factor && hot[1].feed_factor);
+  keep_effective_feeds(hot, {line(1, 404), line(2, 406), line(3, 350)}, 400, 300);
+  EXPECT_TRUE(hot[0].feed_factor);
+  EXPECT_FALSE(hot[1].feed_factor);
+}
+
 }  // namespace
 }  // namespace lamplock::thermal::test
