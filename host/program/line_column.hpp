@@ -1,5 +1,5 @@
-// Columns of a line as it is in its file, for errors in the line that the host has executed: without
-// comments, with numbers in place of values, an O-word without blanks.
+// Columns of a line as it is in its file, for errors in the line that the host has executed:
+// without comments, with numbers in place of values, an O-word without blanks.
 //
 // In:  a line that is executed, a column of it. Out: the column in the file.
 // Who: program_flow.cpp; `check` and `send`, for errors of lines that have been executed.

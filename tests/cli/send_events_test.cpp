@@ -92,8 +92,8 @@ TEST(SendEvents, NoBlockIsEarlierThanItsMotion) {
 /// A reader must know before the operator continues that the motion before a pause has ended.
 TEST(SendEvents, BlocksBeforeAWaitAreWrittenAtItsBegin) {
   const Folder folder;
-  const std::string program = folder.write(
-      "p.ngc", "G21 G90\nG1 X5 F600\nM0\nG1 X6\nT1 M6\nG1 X7 F600\nG4 P2\nM2\n");
+  const std::string program =
+      folder.write("p.ngc", "G21 G90\nG1 X5 F600\nM0\nG1 X6\nT1 M6\nG1 X7 F600\nG4 P2\nM2\n");
   const Finished sent = run({"send", program, "--board", "virtual", "--events", "-"});
   ASSERT_EQ(sent.status, 0) << sent.err;
   const std::vector<Json> events = events_of(sent.out);
