@@ -48,6 +48,7 @@ struct ProgramOutcome {
   link::LineResult result{};
   link::Homing homing{};    ///< as the board has reported it
   ProgramParts parts{};     ///< as ProgramOptions
+  bool rotary = false;      ///< places of A are degrees
   bool has_flow = false;    ///< O-words and the like, within which --from cannot begin
   std::string ended_by{};   ///< the line of the computer that stopped it; empty if none did
   bool lacks_user = false;  ///< a fault has held it, and there was no terminal to resume it

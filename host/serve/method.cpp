@@ -159,8 +159,8 @@ constexpr std::array table{
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
     Method{"job.check", Right::all, program_parameters,
            "Runs a program, or reads a job, without the machine.",
-           "`kind`, `revision` (of the file), `seconds`, `problems`, `bounds`, `picture` (SVG), "
-           "`points` or `lines`; of a "
+           "`kind`, `revision` (of the file), `seconds`, `problems`, `bounds` (mm; degrees of A if "
+           "`rotary` is true), `picture` (SVG), `points` or `lines`; of a "
            "program with process parameters `material`: values of the chosen setting (`title`, "
            "`feed`, "
            "`power`, `passes`, `air`, `kerf`, `frequency`, `thickness`), or null"},

@@ -140,7 +140,9 @@ export class Jobs {
     if (result.bounds) {
       const [low, high] = result.bounds;
       const ranges = low.map((mm, i) => text('job.range', { axis: 'XYZA'[i], low: mm.toFixed(1), high: high[i].toFixed(1) }));
-      facts.push(text('job.ranges', { ranges: ranges.join(', ') }));
+      const lengths = result.rotary ? 3 : ranges.length;
+      facts.push(text('job.ranges', { ranges: ranges.slice(0, lengths).join(', ') }));
+      if (ranges.length > lengths) facts.push(text('job.turns', { range: ranges[lengths] }));
     }
     if (result.material) facts.push(text('job.values', result.material));
     this.#element('checked').textContent = facts.join('; ');
