@@ -11,6 +11,7 @@
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
 #include "host/program/line_fault.hpp"
+#include "host/program/machine_results.hpp"
 #include "host/program/program_words.hpp"
 #include "host/program/saved_modes.hpp"
 #include "host/units.hpp"
@@ -92,13 +93,13 @@ class FlowRun {
     return calls_.empty() || unit_ == &main_ ? statement().line.number : called_at_;
   }
 
-  void refuse_results(std::string_view text) const {
-    static constexpr std::string_view results[] = {"#5061", "#5062", "#5063",
-                                                   "#5064", "#5070", "#5399"};
-    for (const std::string_view result : results)
-      if (text.find(result) != std::string_view::npos)
-        refuse(fmt::format("{} is not known before the machine runs the program", result),
-               "use it in programs without O-words only");
+  void refuse_unknown(std::string_view text) {
+    if (const std::string_view result = result_in(text); !result.empty())
+      refuse(fmt::format("{} is not known before the machine runs the program", result),
+             "use it in programs without O-words only");
+    if (const std::string use = values_.unknown_tool(text); !use.empty())
+      refuse(fmt::format("{} needs the tool in the spindle, which the board does not report", use),
+             std::string(unknown_tool_remedy));
   }
 
   /// A line with the values of the material.
@@ -111,7 +112,7 @@ class FlowRun {
   void plain(const std::string& source) {
     if (source.starts_with('$')) return emit(source);
     const std::string text = with_process(source);
-    refuse_results(text);
+    refuse_unknown(text);
     const int code = subprogram_code(text);
     if (code == 98) return call_program(text);
     if (code == 99) return end_program(text);
@@ -155,7 +156,7 @@ class FlowRun {
 
   std::vector<std::int64_t> arguments(const std::string& source) {
     const std::string text = with_process(source);
-    refuse_results(text);
+    refuse_unknown(text);
     std::vector<std::int64_t> values;
     for (std::uint16_t index = 0; index < text.size();) {
       std::int64_t e9 = 0;

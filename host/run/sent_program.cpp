@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/program/flow_unit.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -64,7 +65,8 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
              const std::optional<program_run::BoardState>& state, bool ignore_errors) {
   if (!ignore_errors) check_board_lines(program.text);
   // Without its state and position, places outside of the work space are left to the board.
-  const bool space_known = !homes(program) && knows_space(settings);
+  const bool space_known = !homes(program) && knows_space(settings) &&
+                           !program_run::uses_unknown_tool(program.text.lines, state);
   const program_run::OnBoard board{state, space_known};
   const auto run = program_run::run_on_board(text_of(program), settings.values, board);
   if (run.problems.empty()) {
