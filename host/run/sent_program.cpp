@@ -78,6 +78,17 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
   throw refusal_of(program.text, run.problems.front());
 }
 
+std::string from_refusal(const ProgramText& text, std::size_t line, const settings::Values& values,
+                         const std::optional<program_run::BoardState>& state) {
+  try {
+    (void)program_run::start_at(link::program_lines(text.source, text.file), line, values,
+                                text.file, state);
+  } catch (const Error& error) {
+    return std::string(error.message());
+  }
+  return {};
+}
+
 SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice) {
   SentProgram program{{file, std::move(text), {}}, {}, {}, {}, {}};
   program.text.lines = link::program_lines(program.text.source, file);
