@@ -19,6 +19,7 @@
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/flow_unit.hpp"
+#include "host/program/kept_parameters.hpp"
 #include "host/program/loaded_tool.hpp"
 #include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
@@ -364,6 +365,10 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   if (!asked.events.empty())
     events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
                    state ? &*state : nullptr);
+  if (const std::string note =
+          program_run::clear_kept_parameters(board.port(), program.text.lines, program.text.file);
+      !note.empty())
+    frontend.notice(note);
   ProgramOutcome outcome =
       send(program, board, options, asked, {events ? &*events : nullptr, logs.get()}, frontend);
   outcome.parts = asked.parts;
