@@ -439,7 +439,9 @@ inline constexpr std::array<Row, setting_count> table{{
      "highest scale; the power is at most that of $30"},
     {1067, "sensor_scale", "K/V", -10'000'000, 10'000'000, 0, false, Scope::machine, Rule::any,
      "rise of the temperature for a volt more at SENSOR; negative: the voltage falls"},
-    {1068, "sensor_min", "mV", 0, 3'300'000, 100'000, false, Scope::machine, Rule::any,
+    // A cut wire is at 0 V, and the ADC deviates by some mV: at a limit of 0 it would be a
+    // temperature.
+    {1068, "sensor_min", "mV", 50'000, 3'300'000, 100'000, false, Scope::machine, Rule::any,
      "lowest voltage of a sensor that works; below, the laser is off and the program is held"},
     {1069, "sensor_max", "mV", 0, 3'300'000, 3'200'000, false, Scope::machine, Rule::any,
      "highest voltage of a sensor that works; above, the laser is off and the program is held"},

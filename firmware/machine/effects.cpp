@@ -203,13 +203,13 @@ void MachineEvents::outputs_off() {
 
 /// As in grbl a jog, homing and a probe run at their own feed rate (jog.c, limits.c and gcode.c of
 /// grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and after each of them the machine is at rest.
-/// After M49 none acts.
+/// After M49 none acts; the temperature still scales the feed.
 void MachineEvents::use_overrides() {
   const Overrides used = reader_.overrides_off() ? Overrides{} : overrides_;
   const bool own_feed = machine_.jogs() || machine_.homes() || reader_.probing();
   constexpr std::uint8_t full_percent = 100;
-  const std::uint32_t feed = reader_.overrides_off() ? full_percent : loop_feed_percent(used.feed);
-  program_.set_overrides(own_feed ? full_percent : feed, used.rapid, used.spindle);
+  program_.set_overrides(own_feed ? full_percent : loop_feed_percent(used.feed), used.rapid,
+                         used.spindle);
   runner_.set_overrides(used.feed, used.rapid);
 }
 

@@ -110,10 +110,11 @@ void write_block(Writer& writer, const OptimisedBlock& optimised, const Laser& l
     const bool scales = laser.code == "M4" && std::isfinite(programmed);
     const double power = scales ? laser.s * std::min(1.0, feed / programmed) : laser.s;
     // The way of one control period may be longer than a chord.
-    const double chords = std::max(1.0, std::ceil(length / max_mm - 1e-9));
-    for (double chord = 1; chord < chords; ++chord)
-      writer.feed(optimised.block, optimised.block.at(s[begun] + length * chord / chords), feed,
-                  power);
+    const auto chords = static_cast<std::size_t>(std::max(1.0, std::ceil(length / max_mm - 1e-9)));
+    const double chord_mm = length / static_cast<double>(chords);
+    for (std::size_t k = 1; k < chords; ++k)
+      writer.feed(optimised.block, optimised.block.at(s[begun] + static_cast<double>(k) * chord_mm),
+                  feed, power);
     writer.feed(optimised.block, i == last ? optimised.block.to : optimised.block.at(s[i]), feed,
                 power);
     begun = i;

@@ -24,7 +24,7 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 43> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 48> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
                                                {"color", true, "black"},
@@ -55,6 +55,11 @@ constexpr std::array<Property, 43> properties{{{"display", false, "inline"},
                                                {"rotate", false, ""},
                                                {"scale", false, ""},
                                                {"font-size", true, "medium"},
+                                               {"letter-spacing", true, "normal"},
+                                               {"word-spacing", true, "normal"},
+                                               {"text-transform", true, "none"},
+                                               {"text-decoration", false, "none"},
+                                               {"writing-mode", true, "horizontal-tb"},
                                                {"text-anchor", true, "start"},
                                                {"dominant-baseline", true, "auto"},
                                                {"x", false, "0"},
@@ -90,6 +95,26 @@ std::string with_lower_keywords(std::string_view value) {
     at = lower.find(address, end);
   }
   return lower;
+}
+
+/// The size in "bold 20px/1.2 serif" (CSS Fonts Module Level 4, section 2.7): the first keyword of
+/// sizes or number with a unit, which a weight has not. A keyword for all properties is that of the
+/// size, too.
+std::string_view size_of_font(std::string_view font) {
+  constexpr std::array<std::string_view, 9> sizes{"xx-small", "x-small", "small",
+                                                  "medium",   "large",   "x-large",
+                                                  "xx-large", "smaller", "larger"};
+  for (std::string_view rest = font; !rest.empty();) {
+    const std::string_view word =
+        rest.substr(0, std::min(rest.find_first_of(" \t\r\n/"), rest.size()));
+    rest.remove_prefix(std::min(word.size() + 1, rest.size()));
+    const bool is_number = word.find_first_of("0123456789.") == 0;
+    const bool has_unit =
+        !word.empty() && (word.back() == '%' || (word.back() >= 'a' && word.back() <= 'z'));
+    if ((is_number && has_unit) || std::find(sizes.begin(), sizes.end(), word) != sizes.end())
+      return word;
+  }
+  return font;
 }
 
 /// Characters of variables that take as long as a comparison of a rule with an element.
@@ -287,6 +312,10 @@ class Cascade {
   }
 
   void set(xml_node& node, const CssDeclaration& one, const CssVariables& variables) {
+    if (one.name == "font") {
+      const std::string value = value_of(one.name, one.value, variables);
+      return set(node, {"font-size", std::string(size_of_font(value)), one.important}, {});
+    }
     if (property_named(one.name) == nullptr) return;
     const std::string value = value_of(one.name, one.value, variables);
     if (is_size_of_window(node, one.name, value) || !is_valid_svg_value(one.name, value)) return;

@@ -1,5 +1,8 @@
 #include "host/model/svg_text.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <deque>
 #include <optional>
 #include <string_view>
@@ -20,9 +23,20 @@ struct Style {
   SvgUnits units;
   SvgPaint paint;
   bool keeps_blanks = false;
+  double letter_spacing_px = 0, word_spacing_px = 0;
   double align = 0;
   TextAnchor anchor = TextAnchor::baseline;
 };
+
+/// What changes the letters of a text or their places, and is not read.
+struct Unread {
+  const char* name;
+  std::string_view initial;
+};
+constexpr std::array<Unread, 4> unread_properties{{{"textLength", "none"},
+                                                   {"text-transform", "none"},
+                                                   {"text-decoration", "none"},
+                                                   {"writing-mode", "horizontal"}}};
 
 /// A property that the element or one of those around it sets.
 std::string_view inherited(xml_node node, const char* name) {
@@ -82,6 +96,18 @@ class TextWalk {
       style.keeps_blanks = space == "preserve";
     style.align = align_of(inherited(node, "text-anchor"));
     style.anchor = anchor_of(inherited(node, "dominant-baseline"));
+    style.letter_spacing_px = spacing(node, "letter-spacing", style.units);
+    style.word_spacing_px = spacing(node, "word-spacing", style.units);
+    const bool is_whole = svg_name(node) == "text";
+    for (const Unread& unread : unread_properties) {
+      const auto value = is_whole ? inherited(node, unread.name) : svg_value(node, unread.name);
+      if (!value.empty() && !value.starts_with(unread.initial))
+        result_.left_out.emplace_back(fmt::format("{} of a text", unread.name));
+    }
+  }
+
+  static double spacing(const xml_node& node, const char* name, const SvgUnits& units) {
+    return find_svg_length(inherited(node, name), units.font_px, units).value_or(0);
   }
 
   void walk(const xml_node& node, const Style& style) {
@@ -134,7 +160,9 @@ class TextWalk {
   /// A run begins where the character has a place of its own, or another style.
   void append_character(std::string_view character, const Style& style) {
     const std::optional<double> x = taken(x_), y = taken(y_);
-    const double dx = taken(dx_).value_or(0), dy = taken(dy_).value_or(0);
+    const double spacing = x ? 0 : spacing_px_;
+    const double dx = taken(dx_).value_or(0) + spacing, dy = taken(dy_).value_or(0);
+    spacing_px_ = style.letter_spacing_px + (character == " " ? style.word_spacing_px : 0);
     if (y) at_y_ = *y;
     at_y_ += dy;
     const bool begins = result_.runs.empty() || x || y || dx != 0 || dy != 0 || !is_same_style_;
@@ -171,6 +199,7 @@ class TextWalk {
   SvgText result_;
   std::deque<double> x_, y_, dx_, dy_;  ///< of the characters to come
   double at_y_ = 0, begin_y_ = 0;       ///< of the character, of the first run of its line
+  double spacing_px_ = 0;               ///< after the last character
   bool is_after_blank_ = true, is_same_style_ = true;
 };
 

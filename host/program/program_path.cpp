@@ -59,7 +59,7 @@ class PathReader {
   void take(const Action& action, std::size_t line) {
     if (const char* what = refused_kind(action.kind); what != nullptr)
       throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line),
-                  fmt::format("{} cannot be written into another program", what),
+                  fmt::format("{} is not part of a path of lines and arcs", what),
                   "give the parts before and after this line");
     switch (action.kind) {
       case ActionKind::move:

@@ -18,7 +18,18 @@ constexpr std::string_view elf_magic =
     "\x7f"
     "ELF";
 
+std::vector<flash::Part> parts_of(const sim::chip::Image& image) {
+  std::vector<flash::Part> parts;
+  parts.reserve(image.parts.size());
+  for (const sim::chip::ImagePart& part : image.parts) parts.push_back({part.address, part.bytes});
+  return parts;
+}
+
 }  // namespace
+
+std::string board_of_image(const sim::chip::Image& image, const std::string& file) {
+  return flash::board_of_image(flash::make_flash_image(parts_of(image), file));
+}
 
 FlashFile read_flash_file(const std::string& name, const std::string& board) {
   const std::string file =
@@ -31,10 +42,7 @@ FlashFile read_flash_file(const std::string& name, const std::string& board) {
     // A plain binary neither says where it belongs nor which chip it is for.
     refuse(file, "is neither a UF2 nor an ELF file", "give lamplock-rp2040.uf2 or .elf");
   } else {
-    sim::chip::Image image = read_image(file);
-    parts.reserve(image.parts.size());
-    for (sim::chip::ImagePart& part : image.parts)
-      parts.push_back({part.address, std::move(part.bytes)});
+    parts = parts_of(read_image(file));
   }
   flash::FlashImage image = flash::make_flash_image(std::move(parts), file);
   std::string of_board = flash::board_of_image(image);

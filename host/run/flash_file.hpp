@@ -1,11 +1,13 @@
 // The image that `flash` writes: a UF2 file, or the ELF file that it was made from.
 //
-// In:  a file, or nothing. Out: a checked image. Who: `flash`.
+// In:  a file, or nothing. Out: a checked image, the board that an image is for. Who: `flash`,
+//      make_board().
 #pragma once
 
 #include <string>
 
 #include "host/flash/flash_image.hpp"
+#include "sim/chip/image/image.hpp"
 
 namespace lamplock::run {
 
@@ -15,6 +17,9 @@ struct FlashFile {
   flash::FlashImage image;
   std::string board;  ///< board of the image; empty: unknown
 };
+
+/// The name of the board that an image is for; empty: unknown. Throws Error(bad_input).
+std::string board_of_image(const sim::chip::Image& image, const std::string& file);
 
 /// Without a name: the image of that board that came with the program. Throws Error(bad_input).
 FlashFile read_flash_file(const std::string& name, const std::string& board);

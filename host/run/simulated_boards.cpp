@@ -6,6 +6,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/run/flash_file.hpp"
 #include "host/run/image_path.hpp"
 #include "host/run/simulator_error.hpp"
 #include "shared/boards/all_boards.hpp"
@@ -17,6 +18,18 @@ namespace {
 
 /// Boot takes about 0.08 s, enumeration as much again.
 constexpr sim::Picoseconds max_boot_time = 2 * sim::ps_per_s;
+
+/// The chip has the wiring of its settings, which would mislead the image of another board.
+void require_board_of_image(const sim::chip::Image& image, const std::string& file,
+                            const boards::BoardRow& wired, int pin_map) {
+  const std::string name = board_of_image(image, file);
+  const boards::BoardRow* const row = boards::find_board(std::string_view(name));
+  if (row == nullptr || row == &wired) return;
+  throw Error(Exit::bad_input, "--image",
+              fmt::format("{} is for the board {}, and the simulated one is a {} (pin_map = {})",
+                          file, name, wired.name, pin_map),
+              fmt::format("give --machine with pin_map = {}", static_cast<int>(row->first_map)));
+}
 
 /// The chip's image: the file that was given, or that of this program.
 std::string image_file(const std::string& image, int pin_map = 0) {
@@ -55,10 +68,12 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
     return made;
   }
   const int pin_map = stored.whole(settings::Id::pin_map);
-  if (boards::find_board(static_cast<boards::PinMap>(pin_map)) == nullptr)
+  const boards::BoardRow* const row = boards::find_board(static_cast<boards::PinMap>(pin_map));
+  if (row == nullptr)
     throw Error(Exit::bad_input, "pin_map", fmt::format("no board has pin map {}", pin_map),
                 "give one of docs/boards, or the virtual board");
   made.image = std::make_unique<sim::chip::Image>(read_image(image_file(image, pin_map)));
+  require_board_of_image(*made.image, image_file(image, pin_map), *row, pin_map);
   std::unique_ptr<sim::ChipBoard> board;
   try {
     board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);

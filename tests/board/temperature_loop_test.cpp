@@ -27,7 +27,8 @@ struct HeatedMachine {
 };
 
 /// A line of 90 mm with M3; absorption rises by 10 % during it.
-HeatResponse cut_with_step(const job::Profile& profile, HeatConfig heat, int feed_mm_min) {
+HeatResponse cut_with_step(const job::Profile& profile, HeatConfig heat, int feed_mm_min,
+                           std::string_view first_line = "") {
   constexpr Picoseconds step_after = 1500 * ps_per_ms, end_after = 3000 * ps_per_ms;
   HeatedMachine approach(profile, heat);
   approach.host.give("G21 G91 G0 X-45\n");
@@ -37,7 +38,7 @@ HeatResponse cut_with_step(const job::Profile& profile, HeatConfig heat, int fee
   HeatedMachine machine(profile, heat);
   machine.host.give("G21 G91 G0 X-45\n");
   EXPECT_TRUE(machine.host.run_until_idle(10 * ps_per_s));
-  machine.host.give(fmt::format("M3 S600\nG1 X90 F{}\nM5\n", feed_mm_min));
+  machine.host.give(fmt::format("{}M3 S600\nG1 X90 F{}\nM5\n", first_line, feed_mm_min));
   while (machine.rig.now() < begin + end_after) machine.host.step(ps_per_ms);
   EXPECT_TRUE(machine.has_light());
   EXPECT_EQ(machine.host.errors(), 0u);
@@ -67,12 +68,15 @@ TEST(TemperatureLoop, HoldsTheTemperatureByTheFeed) {
   constexpr int feed_mm_min = 1500;
   HeatConfig heat = heat_config();
   heat.reference_mm_s = feed_mm_min / 60.0;
-  const HeatResponse held = cut_with_step(loop_profile(LoopMode::feed, {0, 3}), heat, feed_mm_min);
-  print("feed", held);
-  EXPECT_NEAR(held.final_k, hot_k, 5);
-  EXPECT_LE(held.first_k, 30);
-  EXPECT_LE(held.settled_s, 1.4);
-  EXPECT_LE(held.overshoot, 0.2);
+  for (const char* first_line : {"", "M49\n"}) {  // M49 is about the overrides of the user
+    const HeatResponse held =
+        cut_with_step(loop_profile(LoopMode::feed, {0, 3}), heat, feed_mm_min, first_line);
+    print("feed", held);
+    EXPECT_NEAR(held.final_k, hot_k, 5);
+    EXPECT_LE(held.first_k, 30);
+    EXPECT_LE(held.settled_s, 1.4);
+    EXPECT_LE(held.overshoot, 0.2);
+  }
 }
 
 TEST(TemperatureLoop, ReachesTheSetPointFromTheColdWithoutWindup) {
@@ -210,7 +214,7 @@ TEST(TemperatureLoop, SettingsOutOfRangeAreRefused) {
   HeatedMachine machine(heat_profile());
   for (const char* line :
        {"$1061=3", "$1061=0.5", "$1062=-1", "$1062=3300.1", "$1063=100.1", "$1064=-1", "$1065=9",
-        "$1065=101", "$1066=99", "$1066=201", "$1067=10001", "$1068=-1", "$1069=3301"})
+        "$1065=101", "$1066=99", "$1066=201", "$1067=10001", "$1068=49", "$1069=3301"})
     EXPECT_THAT(machine.host.ask(std::string(line) + "\n"), Contains(StartsWith("error:"))) << line;
   EXPECT_THAT(machine.host.ask("$1061=1\n"), Contains("ok"));
 }

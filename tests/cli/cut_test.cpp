@@ -468,9 +468,10 @@ TEST_F(Cut, a_post_processor_has_the_lines_that_a_job_needs) {
     std::filesystem::remove(program_);
   }
   // A fixed power is on again at each shape.
+  const std::string with_power = post(fixed + operation + power);
   for (const Arguments& more : {Arguments{"--dry"}, Arguments{"--tabs", "2"}}) {
     Arguments all = more;
-    all.insert(all.end(), {"--post", post(fixed + operation + power)});
+    all.insert(all.end(), {"--post", with_power});
     EXPECT_THAT(refused(file, all), HasSubstr("the light would"));
   }
   EXPECT_THAT(made(file, {"--post", post(fixed)})["warnings"].dump(),

@@ -7,6 +7,7 @@
 
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -56,6 +57,26 @@ TEST_F(OtherBoard, IsRefusedByEachCommandThatSends) {
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("\"shots\": 0"));
 }
+
+#ifdef LAMPLOCK_HAS_FIRMWARE
+TEST(ImageOfABoard, IsNotSimulatedInTheWiringOfAnother) {
+  const Folder folder;
+  const std::string program = folder.write("p.ngc", "G21 G91\nG1 X1 F600\n");
+  for (const char* kind : {".elf", ".uf2", ".bin"}) {
+    const Finished ended =
+        run({"send", program, "--board", "chip", "--image",
+             lamplock::test::in_build(std::string("lamplock-grblhal-pico") + kind)});
+    EXPECT_EQ(ended.status, 2) << kind;
+    EXPECT_THAT(ended.err, HasSubstr("is for the board grblhal-pico, and the simulated one is a "
+                                     "pico (pin_map = 0); give --machine with pin_map = 4\n"))
+        << kind;
+  }
+  EXPECT_EQ(run({"send", program, "--board", "chip", "--image",
+                 lamplock::test::in_build("lamplock-rp2040.bin")})
+                .status,
+            0);
+}
+#endif
 
 }  // namespace
 }  // namespace lamplock::cli::test

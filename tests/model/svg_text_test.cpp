@@ -13,7 +13,9 @@
 namespace lamplock::model::svg_text_test {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
+using testing::Pair;
 
 /// A page of 100 x 100 mm whose unit is a mm.
 LetteredDrawing drawing_of(const std::string& body) {
@@ -49,6 +51,47 @@ TEST(SvgText, place_size_and_colour) {
   expect_at(turned.at(0), {1, 0, 0}, 50, 48);
   EXPECT_THAT(lines_of(runs_of("<text xml:space='preserve'> a  b </text>")), ElementsAre(" a  b "));
   EXPECT_TRUE(drawing_of("<text>a</text>").curves.left_out.empty());
+}
+
+TEST(SvgText, the_size_is_that_of_the_shorthand) {
+  const auto size_of = [](const std::string& font) {
+    return runs_of("<g font-size='7'><text style='font: " + font + "'>a</text></g>").at(0).size;
+  };
+  EXPECT_EQ(size_of("bold 20px serif"), 20);
+  EXPECT_EQ(size_of("italic 700 1.5em/1.2 \"Noto Sans\", sans"), 10.5);
+  EXPECT_EQ(size_of("small-caps x-large serif"), 24);
+  EXPECT_EQ(size_of(".5rem serif"), 8);
+  EXPECT_EQ(size_of("inherit"), 7);
+  EXPECT_EQ(size_of("caption"), 7) << "no size";
+  EXPECT_EQ(runs_of("<style>.t{font:12px a}</style><text class='t'>a</text>").at(0).size, 12);
+}
+
+TEST(SvgText, letters_and_words_are_apart) {
+  const auto runs =
+      runs_of("<text letter-spacing='10' word-spacing='3'>ab c<tspan x='9'>d</tspan></text>");
+  ASSERT_THAT(lines_of(runs), ElementsAre("a", "b", " ", "c", "d"));
+  EXPECT_EQ(runs[0].shift_x, 0);
+  EXPECT_EQ(runs[1].shift_x, 10);
+  EXPECT_EQ(runs[2].shift_x, 10);
+  EXPECT_EQ(runs[3].shift_x, 13);
+  EXPECT_FALSE(runs[4].follows);
+  expect_at(runs[4], {0, 0, 0}, 9, 100);
+  EXPECT_THAT(lines_of(runs_of("<text style='letter-spacing:normal'>ab</text>")),
+              ElementsAre("ab"));
+  EXPECT_EQ(
+      runs_of("<g font-size='4' style='letter-spacing:.5em'><text>ab</text></g>").at(1).shift_x, 2);
+}
+
+TEST(SvgText, properties_that_are_not_read_are_named) {
+  const auto left_out = [](const std::string& body) { return drawing_of(body).curves.left_out; };
+  EXPECT_THAT(left_out("<text textLength='50'>a</text>"),
+              Contains(Pair("textLength of a text", 1)));
+  EXPECT_THAT(left_out("<g style='text-transform: uppercase'><text>a<tspan>b</tspan></text></g>"),
+              ElementsAre(Pair("text-transform of a text", 1)));
+  EXPECT_THAT(left_out("<text>a<tspan text-decoration='underline'>b</tspan></text>"),
+              ElementsAre(Pair("text-decoration of a text", 1)));
+  EXPECT_TRUE(
+      left_out("<text text-decoration='none' writing-mode='horizontal-tb'>a</text>").empty());
 }
 
 TEST(SvgText, runs_continue_or_have_places) {
