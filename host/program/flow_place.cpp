@@ -4,6 +4,7 @@
 
 #include "host/program/line_column.hpp"
 #include "host/program/line_fault.hpp"
+#include "host/program/machine_results.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::program_run {
@@ -38,12 +39,9 @@ void FlowPlace::refuse_fault(std::string_view text, const program::Fault& fault,
 }
 
 void FlowPlace::refuse_results(std::string_view text) const {
-  static constexpr std::string_view results[] = {"#5061", "#5062", "#5063",
-                                                 "#5064", "#5070", "#5399"};
-  for (const std::string_view result : results)
-    if (text.find(result) != std::string_view::npos)
-      refuse(fmt::format("{} is not known before the machine runs the program", result),
-             "use it in programs without O-words only");
+  if (const std::string_view result = result_in(text); !result.empty())
+    refuse(fmt::format("{} is not known before the machine runs the program", result),
+           "use it in programs without O-words only");
 }
 
 std::string FlowPlace::with(const FlowProcess& process, bool inches, const std::string& text,

@@ -33,7 +33,7 @@ program::Fault fault_at(GcodeError error, std::size_t index) {
 }  // namespace
 
 FlowValues::FlowValues(const settings::Values& values, const BoardState* state)
-    : options_(program_options(values)) {
+    : options_(program_options(values)), tool_(state != nullptr && state->loaded_tool) {
   if (state != nullptr) begin_with(*state, interpreter_, parameters_);
   state_ = &interpreter_.state();
 }

@@ -12,6 +12,7 @@
 #include "host/program/flow_place.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/program/program_words.hpp"
 #include "host/program/saved_modes.hpp"
 #include "host/program/subprogram_call.hpp"
@@ -97,10 +98,18 @@ class FlowRun {
     messages_ += values_.messages(here().messages_with(process_, values_.inches()));
   }
 
+  /// For a text that reads what only the running machine knows.
+  void refuse_unknown(std::string_view text) {
+    here().refuse_results(text);
+    if (const std::string use = values_.unknown_tool(text); !use.empty())
+      refuse(fmt::format("{} needs the tool in the spindle, which the board does not report", use),
+             std::string(unknown_tool_remedy));
+  }
+
   void plain(const std::string& source) {
     if (source.starts_with('$')) return emit(source);
     const std::string text = here().line_with(process_, values_.inches());
-    here().refuse_results(text);
+    refuse_unknown(text);
     const int code = subprogram_code(text);
     if (code == 98) return call_program(text);
     if (code == 99) return end_program(text);
@@ -151,7 +160,7 @@ class FlowRun {
   std::vector<std::int64_t> arguments(const FlowWord& word) {
     const std::string text =
         here().value_with(process_, values_.inches(), word.arguments, word.arguments_at);
-    here().refuse_results(text);
+    refuse_unknown(text);
     std::vector<std::int64_t> values;
     for (std::uint16_t index = 0; index < text.size();) {
       std::int64_t e9 = 0;

@@ -19,6 +19,8 @@
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/flow_unit.hpp"
+#include "host/program/kept_parameters.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
@@ -132,6 +134,10 @@ std::unique_ptr<ProbeLogFiles> probe_logs_of(const SentProgram& program,
     throw Error(Exit::bad_input, board,
                 "does not report the settings, offsets and modes that a probe log needs",
                 "leave --probe-logs out, or end G68 and M130 before the program");
+  if (program_run::uses_unknown_tool(program.text.lines, state))
+    throw Error(Exit::bad_input, board,
+                "does not report the tool in the spindle, which a probe log needs",
+                std::string(program_run::unknown_tool_remedy));
   return std::make_unique<ProbeLogFiles>(program.text.lines, program.probes, asked.probe_logs,
                                          of_board->values, *state);
 }
@@ -204,6 +210,15 @@ std::size_t part_with(const ProgramParts& parts, std::size_t line) {
   return parts.numbers[static_cast<std::size_t>(next - parts.first_lines.begin()) - 1];
 }
 
+/// Whether the same command can begin with the line that was under way.
+std::string from_text(const ProgramOutcome& outcome) {
+  if (outcome.has_flow) return {};
+  const std::size_t line = outcome.result.at_line;
+  if (!outcome.from_refusal.empty())
+    return fmt::format("; --from {} cannot begin with it ({})", line, outcome.from_refusal);
+  return fmt::format("; the same command with --from {} begins with it", line);
+}
+
 /// How far it came. What the machine has accepted is not all done: it plans ahead.
 std::string reach_text(const ProgramOutcome& outcome) {
   const LineResult& result = outcome.result;
@@ -219,11 +234,8 @@ std::string reach_text(const ProgramOutcome& outcome) {
         parts.name, number, place_text(result.status));
   }
   if (result.at_line != 0)
-    return fmt::format("line {0} of {1} was under way, at {2}", result.at_line, outcome.file,
-                       place_text(result.status)) +
-           (outcome.has_flow
-                ? std::string()
-                : fmt::format("; the same command with --from {} begins with it", result.at_line));
+    return fmt::format("line {0} of {1} was under way, at {2}{3}", result.at_line, outcome.file,
+                       place_text(result.status), from_text(outcome));
   return fmt::format("line {} of {} was the last one that it accepted, at {}", result.last_line,
                      outcome.file, place_text(result.status));
 }
@@ -330,10 +342,17 @@ ProgramOutcome run_text(const std::string& name, std::string text, const BoardOp
   if (opened.stream != nullptr)
     events.emplace(*opened.stream, asked.events, program.text.lines,
                    of_board ? of_board->values : values, state ? &*state : nullptr);
+  if (const std::string note =
+          program_run::clear_kept_parameters(board.port(), program.text.lines, program.text.file);
+      !note.empty())
+    frontend.notice(note);
   ProgramOutcome outcome =
       send(program, board, options, asked, {events ? &*events : nullptr, logs.get()}, frontend);
   opened.is_sent = true;
   outcome.parts = asked.parts;
+  if (outcome.result.at_line != 0 && !outcome.has_flow)
+    outcome.from_refusal = from_refusal(program.text, outcome.result.at_line,
+                                        of_board ? of_board->values : values, state);
   if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
   outcome.rotary = of_board && is_rotary(of_board->values, rotary_axis);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/program/flow_unit.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -64,7 +65,8 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
              const std::optional<program_run::BoardState>& state, bool ignore_errors) {
   if (!ignore_errors) check_board_lines(program.text);
   // Without its state and position, places outside of the work space are left to the board.
-  const bool space_known = !homes(program) && knows_space(settings);
+  const bool space_known = !homes(program) && knows_space(settings) &&
+                           !program_run::uses_unknown_tool(program.text.lines, state);
   const program_run::OnBoard board{state, space_known};
   const auto run = program_run::run_on_board(text_of(program), settings.values, board);
   if (run.problems.empty()) {
@@ -74,6 +76,17 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
   }
   if (ignore_errors) return;
   throw refusal_of(program.text, run.problems.front());
+}
+
+std::string from_refusal(const ProgramText& text, std::size_t line, const settings::Values& values,
+                         const std::optional<program_run::BoardState>& state) {
+  try {
+    (void)program_run::start_at(link::program_lines(text.source, text.file), line, values,
+                                text.file, state);
+  } catch (const Error& error) {
+    return std::string(error.message());
+  }
+  return {};
 }
 
 SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice) {
