@@ -118,6 +118,8 @@ GcodeError MachineConsole::command_at_rest(std::string_view line) {
     handle(event);
   } else if (line == "$RST=$") {
     restore_defaults();
+  } else if (line == "$RST=P") {
+    reader_.clear_parameters();
   } else if (line == "$RST=#" || line == "$RST=*") {
     reader_.kept().clear_places();
     if (reader_.interpreter().state().system_rotation.active()) reader_.invalidate_position();

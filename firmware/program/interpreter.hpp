@@ -102,6 +102,13 @@ class Interpreter {
   void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
   void toggle_mist() { state_->modal.mist = !state_->modal.mist; }
 
+  /// Parameters are unset as at the end of a program, and modes that M70 and M73 have saved are
+  /// dropped; nothing else changes.
+  [[gnu::cold]] void clear_parameters() {
+    expressions_.clear();
+    saved_ = {};
+  }
+
   /// Spindle and coolant were switched off.
   void switch_off() {
     state_->modal.flood = state_->modal.mist = false;

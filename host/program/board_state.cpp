@@ -124,7 +124,22 @@ std::string motion_line(const std::vector<std::string_view>& words) {
   return "G80";
 }
 
-std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bool inches) {
+/// The tool for the next M6.
+std::string_view selected_tool(const std::vector<std::string_view>& words) {
+  for (const std::string_view word : words)
+    if (word.starts_with('T')) return word.substr(1);
+  return "0";
+}
+
+/// The tool in the spindle, from a line of `$#` that is there unless it and T are 0.
+std::optional<std::uint32_t> parse_loaded_tool(const std::vector<std::string>& offsets,
+                                               std::string_view selected) {
+  if (const auto text = value_of(offsets, "TOOL")) return number_of<std::uint32_t>(*text);
+  return selected == "0" ? std::optional(0u) : std::nullopt;
+}
+
+std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bool inches,
+                                  std::optional<std::uint32_t> loaded_tool) {
   // A change of the feed mode clears the feed of the motion line.
   std::vector<std::string> lines{"G21 G90 G91.1 G17", motion_line(words), "G93", "G94", "G90"};
   const bool inverse_time = has(words, "G93"), per_turn = has(words, "G95");
@@ -137,15 +152,17 @@ std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bo
       if (feed > 0 && !inverse_time)
         lines.insert(lines.begin() + (per_turn ? 6 : 5),
                      fmt::format("G21 F{:.6f}", feed * (inches ? mm_per_inch : 1)));
-    } else if (word.starts_with('T')) {
-      // The tool that was chosen last is in the spindle.
-      lines.push_back(fmt::format("M61 Q{}", word.substr(1)));
     } else if (!has(done, word) && !has(cycles, word) && !has(passed_over, word)) {
       lines.emplace_back(word);
     }
   }
   // `$#` reports the active shift of G92.
   lines.emplace_back("G92.3");
+  // M61 sets T as well, so it comes first. An unknown tool counts as that of T: the program can be
+  // planned.
+  const std::string_view selected = selected_tool(words);
+  lines.insert(lines.begin(), loaded_tool ? fmt::format("M61 Q{}", *loaded_tool)
+                                          : fmt::format("M61 Q{}", selected));
   return lines;
 }
 
@@ -198,7 +215,8 @@ std::optional<BoardState> parse_state(const link::BoardStatus& status,
   const auto words = split(*text, ' ');
   for (const std::string_view word : words)
     if (has(partly_reported, word.substr(0, word.find(':')))) return std::nullopt;
-  state.modes = lines_of(words, inches.any());
+  state.loaded_tool = parse_loaded_tool(offsets, selected_tool(words));
+  state.modes = lines_of(words, inches.any(), state.loaded_tool);
   const program::Parameters& parameters = state.parameters;
   state.work_offset_e7 = parameters.systems_e7[system_of(words)];
   for (std::size_t a = 0; a < state.machine_e7.size(); ++a)
@@ -229,12 +247,15 @@ std::optional<BoardState> read_state(link::LinePort& port, const link::BoardStat
 void begin_with(const BoardState& state, program::Interpreter& interpreter,
                 program::Parameters& parameters) {
   parameters = state.parameters;
+  // A board may have a tool in the spindle, or chosen, that its table no longer has.
+  parameters.tools = {};
   interpreter.reset();
   for (const std::string& line : state.modes) {
     interpreter.run(line);  // boards of another firmware report words unknown to this interpreter
     for (program::Action action; interpreter.next(action);) {
     }
   }
+  parameters.tools = state.parameters.tools;
   interpreter.set_position(state.machine_e7);
 }
 

@@ -8,6 +8,7 @@
 // whole mm/min, and its position in steps.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ struct BoardState {
   program::Parameters parameters;  ///< G54 to G59.3, G28, G30, G92, tools
   std::vector<std::string> modes;  ///< lines that set the modal state
   program::Place work_offset_e7{};
+  /// The tool in the spindle; empty if the board does not report it. T of `$G` is no substitute: it
+  /// is the tool for the next M6.
+  std::optional<std::uint32_t> loaded_tool = 0;
   bool as_after_power_up = false;  ///< at machine zero, without offsets, modal state by default
 };
 

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 
+#include "firmware/program/message.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "shared/gcode_words.hpp"
 
@@ -32,7 +33,7 @@ program::Fault fault_at(GcodeError error, std::size_t index) {
 }  // namespace
 
 FlowValues::FlowValues(const settings::Values& values, const BoardState* state)
-    : options_(program_options(values)) {
+    : options_(program_options(values)), tool_(state != nullptr && state->loaded_tool) {
   if (state != nullptr) begin_with(*state, interpreter_, parameters_);
   state_ = &interpreter_.state();
 }
@@ -81,7 +82,7 @@ program::Fault FlowValues::read_words(std::string_view line, std::string& text) 
 std::string FlowValues::messages(std::string_view comments) {
   std::string all;
   for (TextLine text; program::take_message(comments, expressions_, text); text = {})
-    all += "(MSG," + std::string(text.view()) + ")";
+    all += fmt::format("(MSG,{})", text.view().substr(0, program::max_message));
   return all;
 }
 

@@ -14,6 +14,7 @@
 #include "firmware/program/expression.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/program/board_state.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "shared/settings_table.hpp"
 
 namespace lamplock::program_run {
@@ -26,6 +27,9 @@ class FlowValues {
   /// The line with numbers; empty if nothing but assignments was in it. Runs it: after an error
   /// nothing of it has an effect.
   program::Fault run(std::string_view line, std::string& with_numbers);
+  /// What the line needs of the tool in the spindle while the board has not reported it; empty if
+  /// nothing. Once for each line, before it runs.
+  std::string unknown_tool(std::string_view line) { return tool_.pass(line); }
   /// The program has ended by M2 or M30.
   bool has_ended() const { return has_ended_; }
   const program::Interpreter& interpreter() const { return interpreter_; }
@@ -55,6 +59,7 @@ class FlowValues {
   program::Interpreter interpreter_{parameters_, options_};
   const program::State* state_ = &interpreter_.state();
   program::Expressions expressions_{state_, parameters_, options_.rotary};
+  LoadedTool tool_;
   bool has_ended_ = false;
 };
 

@@ -18,6 +18,7 @@
 #include "shared/wire/framing.hpp"
 #include "shared/wire/run_pace.hpp"
 #include "shared/wire/runs.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -43,6 +44,7 @@ class Machine {
   explicit Machine(const settings::Values& values)
       : values_(values), space_(work_space(values)), lines_(values) {
     run_.axes = values.whole(Id::axes);
+    run_.rotary = is_rotary(values, rotary_axis);
   }
 
   ProgramRun& result() { return run_; }
@@ -184,6 +186,7 @@ class Machine {
   }
 
   void problem_outside(const program::Place& place_e7, std::size_t line, int axis) {
+    // A rotary axis has no limit within the numbers of a program.
     const double low = values_.milli(Id::min_corner_x, axis) / 1e3;
     run_.problems.push_back(
         {line, 0, 0,
@@ -238,7 +241,8 @@ class Machine {
     double squares = 0;
     for (std::size_t a = 0; a < at_.size(); ++a) {
       at_[a] = static_cast<double>(action.target_e7[a]) / e7;
-      squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
+      if (!is_rotary(values_, static_cast<int>(a)))
+        squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
       run_.bounds.low[a] = std::min(run_.bounds.low[a], at_[a]);
       run_.bounds.high[a] = std::max(run_.bounds.high[a], at_[a]);
     }

@@ -20,8 +20,8 @@
 namespace lamplock::program_run {
 
 /// `first` is a line of the file, from 1. Throws Error(bad_input): there is no such line, a line
-/// before it has an error or cannot be skipped (offsets, probing, points on the beat, lines for the
-/// board), or the position at `first` is unknown. `state`: of the board before the first line of
+/// before it has an error or cannot be skipped, or the state at `first` is unknown or needs more
+/// than lines before it (skipped_lines.hpp). `state`: of the board before the first line of
 /// the program, if known.
 std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& lines,
                                         std::size_t first, const settings::Values& values,

@@ -46,11 +46,13 @@ struct ProgramOutcome {
   std::size_t lines = 0;
   std::optional<double> planned_s{};
   link::LineResult result{};
-  link::Homing homing{};    ///< as the board has reported it
-  ProgramParts parts{};     ///< as ProgramOptions
-  bool has_flow = false;    ///< O-words and the like, within which --from cannot begin
-  std::string ended_by{};   ///< the line of the computer that stopped it; empty if none did
-  bool lacks_user = false;  ///< a fault has held it, and there was no terminal to resume it
+  link::Homing homing{};       ///< as the board has reported it
+  ProgramParts parts{};        ///< as ProgramOptions
+  bool rotary = false;         ///< places of A are degrees
+  bool has_flow = false;       ///< O-words and the like, within which --from cannot begin
+  std::string from_refusal{};  ///< why --from with the line under way is refused; empty: it is not
+  std::string ended_by{};      ///< the line of the computer that stopped it; empty if none did
+  bool lacks_user = false;     ///< a fault has held it, and there was no terminal to resume it
   LostFiles lost{};
   std::string lost_events{};   ///< file of the executed blocks that is not complete; empty: none
   std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/program/flow_unit.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -64,7 +65,8 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
              const std::optional<program_run::BoardState>& state, bool ignore_errors) {
   if (!ignore_errors) check_board_lines(program.text);
   // Without its state and position, places outside of the work space are left to the board.
-  const bool space_known = !homes(program) && knows_space(settings);
+  const bool space_known = !homes(program) && knows_space(settings) &&
+                           !program_run::uses_unknown_tool(program.text.lines, state);
   const program_run::OnBoard board{state, space_known};
   const auto run = program_run::run_on_board(text_of(program), settings.values, board);
   if (run.problems.empty()) {
@@ -74,6 +76,17 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
   }
   if (ignore_errors) return;
   throw refusal_of(program.text, run.problems.front());
+}
+
+std::string from_refusal(const ProgramText& text, std::size_t line, const settings::Values& values,
+                         const std::optional<program_run::BoardState>& state) {
+  try {
+    (void)program_run::start_at(link::program_lines(text.source, text.file), line, values,
+                                text.file, state);
+  } catch (const Error& error) {
+    return std::string(error.message());
+  }
+  return {};
 }
 
 SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice) {
@@ -96,7 +109,7 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
                   "send the whole program");
     program.text.lines = program_run::run_flow(std::move(program.text.lines), program.text.file,
                                                values, state, choice.process);
-    if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
+    if (program.text.lines.empty()) throw no_line_to_send(program.text.file, true);
   } else if (program_run::has_process_values(program.text.source)) {
     program.text.source = program_run::with_process_values(program.text.source, program.text.file,
                                                            choice.process, values, state);
@@ -107,6 +120,8 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
         program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
   if (options.dry)
     program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
+  program.text.lines =
+      link::separate_messages(std::move(program.text.lines), program_run::is_user_command);
   if (choice.logs_probes && state) {
     auto logged = program_run::with_probe_questions(std::move(program.text.lines), values, *state);
     program.text.lines = std::move(logged.lines);

@@ -43,6 +43,10 @@ SentProgram program_of(const std::string& file, std::string text, const LineChoi
 void choose_lines(SentProgram& program, const BoardOptions& options, const settings::Values& values,
                   const std::optional<program_run::BoardState>& state, const LineChoice& choice);
 
+/// Why a program without O-words cannot begin with this line (--from); empty if it can.
+std::string from_refusal(const ProgramText& text, std::size_t line, const settings::Values& values,
+                         const std::optional<program_run::BoardState>& state);
+
 /// Runs the program as the board will and stores its time and its plan, unless a line of it is
 /// wrong. Throws Error(bad_input) at the first line that the board would refuse, unless
 /// `ignore_errors`.

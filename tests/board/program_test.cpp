@@ -294,6 +294,19 @@ TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
   EXPECT_EQ(tool_length_after(), 0);
 }
 
+/// $RST=P does to parameters and saved modes what M2 does, and to nothing else.
+TEST_F(Program, ParametersAreClearedByACommand) {
+  host_.ask("G20 G91 T3 S7\n#1=40 #<wide>=3\nM70\n");
+  const auto modes = host_.ask("$G\n");
+  EXPECT_THAT(host_.ask("$RST=P\n"), ElementsAre("ok"));
+  EXPECT_EQ(host_.ask("$G\n"), modes);
+  EXPECT_THAT(host_.ask("(PRINT,%d#1)\n"), ElementsAre("[MSG:0]", "ok"));
+  EXPECT_THAT(host_.ask("#2=#<wide>\n"), ElementsAre("error:74"));
+  EXPECT_THAT(host_.ask("M72\n"), ElementsAre(StartsWith("error:")));
+  EXPECT_THAT(host_.ask("G21 G90\n#1=4\nG1 X5 F600\n$RST=P\n"), Contains("error:8"));
+  EXPECT_THAT(host_.ask("(PRINT,%d#1)\n"), ElementsAre("[MSG:4]", "ok"));
+}
+
 /// As the origins do, and $RST=# clears it at once.
 TEST_F(Program, TheRotationOfASystemOutlivesResetAndPowerCut) {
   host_.ask("G10 L2 P1 X10 R90\nG0 X1 Y0\n");

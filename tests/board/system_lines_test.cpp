@@ -77,6 +77,7 @@ TEST(SystemLines, SpacesCaseAndCommentsChangeNothing) {
                                  "$RST=$",
                                  "$RST=#",
                                  "$RST=*",
+                                 "$RST=P",
                                  "$RST=Q",
                                  "$I=My Laser (2)",
                                  "$N0=G54 (first) G90",

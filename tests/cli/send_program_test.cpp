@@ -301,6 +301,37 @@ TEST_F(SendToBoard, TheCheckBeginsWithTheStateOfTheBoard) {
   expect_refused(send("G1 X0\n"), "1:1: error:22 the feed is zero");
 }
 
+/// The tool of the last T is not the one in the spindle before an M6.
+TEST_F(SendToBoard, ValuesAreThoseOfTheToolInTheSpindle) {
+  do_first("G10 L1 P1 Z5 R1\nG10 L1 P2 Z20 R1\nM61 Q1\nG0 Z0\n");
+  do_first("T2\nG0 X0\nM2\n");
+  const std::string print = "G43\n(PRINT, tool %d#5400 length %d#5403)\n";
+  EXPECT_THAT(send(print + "G49\nM2\n").err, HasSubstr("tool 1 length 5"));
+  EXPECT_THAT(send("o1 if [#5400 EQ 1]\n" + print + "o1 endif\nG49\nM2\n").err,
+              HasSubstr("tool 1 length 5"));
+}
+
+TEST_F(SendToBoard, TheMiddleHasTheToolOfTheLinesBefore) {
+  do_first("G10 L1 P1 Z5 R1\nG10 L1 P2 Z20 R1\nM61 Q1\n");
+  const std::string text =
+      "G21 G90\nM61 Q2\nG0 X0 Y0 Z1\nG1 X10 F600\n(PRINT, tool %d#5400)\nG43\nG0 Z1\nM2\n";
+  const Finished part = send(text, {"--from", "4"});
+  EXPECT_EQ(part.status, 0) << part.err;
+  EXPECT_THAT(part.err, HasSubstr("tool 2"));
+  EXPECT_NEAR(nlohmann::json::parse(part.out)["position"][2].get<double>(), 21, 0.01);
+}
+
+/// A program without M2 leaves its parameters on the board.
+TEST_F(SendToBoard, ParametersOfAnEarlierProgramAreCleared) {
+  do_first("G21 G90\n#1=40 #<wide>=3\nG1 X1 F600\n");
+  do_first("G21 G90\nG1 X[#1 + 2] F600\n");
+  EXPECT_NEAR(x(), 2, 0.01);
+  do_first("#1=40\nM70\n");
+  do_first("G0 X[1 + EXISTS[#<wide>]]\n");
+  EXPECT_NEAR(x(), 1, 0.01);
+  EXPECT_EQ(send("G0 X#1\nM72\n").status, 2);
+}
+
 TEST(SendProgram, lines_after_its_end_are_checked) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G21\nM30\nG1 X1 X2 F100\n");

@@ -182,6 +182,13 @@ TEST(ProgramText, RotationsAreDegreesOfAllSystems) {
   EXPECT_EQ(p.offset(rotation_line), "[ROT:0,0,0,-12.5,0,0,0,0,0.0000001]\r\n");
 }
 
+TEST(ProgramText, TheToolInTheSpindleIsNotThatOfTheNextChange) {
+  EXPECT_EQ(Program{}.offset(spindle_line), "");
+  EXPECT_EQ(Program({"T2"}).offset(spindle_line), "[TOOL:0]\r\n");
+  EXPECT_EQ(Program({"M61 Q1", "T2"}).offset(spindle_line), "[TOOL:1]\r\n");
+  EXPECT_EQ(Program({"T200 M6", "T0"}).offset(spindle_line), "[TOOL:200]\r\n");
+}
+
 TEST(ProgramText, OffsetsEqualTheirSettings) {
   Program p{"G10 L2 P1 X1 Y-2.5 Z0.0004",
             "G10 L2 P6 Y1",

@@ -3,7 +3,9 @@
 
 #include <string>
 
+#include "host/job/profile.hpp"
 #include "host/run/run_program.hpp"
+#include "host/run/sent_program.hpp"
 #include "tests/run/silent_frontend.hpp"
 
 namespace lamplock::test::program_parts_test {
@@ -51,6 +53,20 @@ TEST(ProgramParts, ALineIsNamedWithItsRemedyWhereItCanBegin) {
     EXPECT_THAT(text, testing::HasSubstr("line 8 of twelve.dxf was under way"));
     EXPECT_EQ(text.find("--from 8 begins with it") == std::string::npos, has_flow) << text;
   }
+}
+
+TEST(ProgramParts, ALineWithWhichTheProgramCannotBeginIsNotARemedy) {
+  run::ProgramOutcome outcome{"part.ngc", 60};
+  outcome.result.end = link::LineEnd::stopped;
+  outcome.result.last_line = outcome.result.at_line = 3;
+  const run::ProgramText text{"part.ngc", "G21 G90\nG10 L2 P1 X1\nG0 X1 Y1\nX2\n", {}};
+  outcome.from_refusal = run::from_refusal(text, 3, job::default_profile().settings, {});
+  Listener listener;
+  EXPECT_EQ(run::judge_program(outcome, "virtual", listener), Exit::interrupted);
+  EXPECT_THAT(listener.shown(),
+              testing::HasSubstr("--from 3 cannot begin with it (part.ngc:2: --from cannot leave "
+                                 "'G10' out; begin at this line or before it)"));
+  EXPECT_EQ(run::from_refusal(text, 2, job::default_profile().settings, {}), "");
 }
 
 }  // namespace

@@ -103,6 +103,8 @@ class ProgramReader {
   [[gnu::cold]] bool take_message(std::string_view& line, TextLine& text) {
     return interpreter_.take_message(line, text);
   }
+  /// As Interpreter::clear_parameters(), while no line is open.
+  [[gnu::cold]] void clear_parameters() { interpreter_.clear_parameters(); }
   void resume() { paused_ = false; }
   /// The pause is for a tool change.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }

@@ -124,11 +124,18 @@ void write_rotations(TextLine& line, const program::Parameters& parameters) {
   line.add("]\r\n"sv);
 }
 
+/// The tool of the last M6 or M61.
+void write_loaded_tool(TextLine& line, const Modal& modal) {
+  if ((modal.loaded_tool | modal.tool) == 0) return;
+  line.add("[TOOL:"sv).add(std::int64_t{modal.loaded_tool}).add("]\r\n"sv);
+}
+
 }  // namespace
 
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets) {
   const program::Parameters& parameters = offsets.parameters;
   if (i == rotation_line) return write_rotations(line, parameters);
+  if (i == spindle_line) return write_loaded_tool(line, offsets.modal);
   if (i > line_probe)
     return write_tool(line, parameters.tools.entry(static_cast<std::size_t>(i - line_probe - 1)),
                       offsets);

@@ -42,15 +42,17 @@ struct ReportedOffsets {
   InchAxes inches{};
 };
 
-/// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB, then the places of the tool table
-/// and the rotations of the systems.
+/// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB, then the places of the tool table,
+/// the rotations of the systems and the tool in the spindle.
 inline constexpr int probe_line = program::coordinate_systems + 4;
 inline constexpr int rotation_line = probe_line + 1 + int{program::ToolTable::capacity};
-inline constexpr int offset_lines = rotation_line + 1;
+inline constexpr int spindle_line = rotation_line + 1;
+inline constexpr int offset_lines = spindle_line + 1;
 /// Line `i` of them, from 0: "[G54:0.000,0.000,0.000]". A tool is, as in grblHAL, its number, its
 /// offsets and its radius: "[T:1|0.000,0.000,5.000|3.000]"; an empty place has no line. Rotations
 /// are degrees from G54 to G59.3, "[ROT:0,12.5,0,0,0,0,0,0,0]"; there is no line if all are 0, so
-/// that senders see it only where it says something.
+/// that senders see it only where it says something. The tool in the spindle is "[TOOL:2]", because
+/// T of `$G` is the one for the next M6; there is no line if both are 0.
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets);
 
 /// `$G`: "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]". The feed rate is in mm/min, or in inches/min
