@@ -13,8 +13,9 @@
 #include "host/cli/validators.hpp"
 #include "host/duration_text.hpp"
 #include "host/run/check_program.hpp"
-#include "host/text.hpp"
+#include "host/run/program_refusal.hpp"
 #include "shared/units.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -43,8 +44,9 @@ void say_result(Console& console, const CheckedProgram& run) {
   console.say("feed      {:.3f} mm", run.feed_mm);
   console.say("rapid     {:.3f} mm", run.rapid_mm);
   for (int a = 0; a < run.axes; ++a)
-    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)],
-                shown_mm(run.bounds.low[index(a)]), shown_mm(run.bounds.high[index(a)]));
+    console.say("{}         {:.3f} to {:.3f} {}", axis_letters[index(a)],
+                shown_mm(run.bounds.low[index(a)]), shown_mm(run.bounds.high[index(a)]),
+                run.rotary && a == rotary_axis ? "degrees" : "mm");
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (!run.ignored.empty())
     console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
@@ -74,6 +76,7 @@ Json document(const CheckOptions& options, const CheckedProgram& run) {
           {"rapid_mm", run.rapid_mm},
           {"low_mm", low},
           {"high_mm", high},
+          {"rotary", run.rotary},
           {"pauses", run.pauses},
           {"shots", run.beats.shots},
           {"ended", run.ended},
@@ -82,25 +85,15 @@ Json document(const CheckOptions& options, const CheckedProgram& run) {
           {"problems", problems}};
 }
 
-/// The place of an error about a line of the input; 0 for other errors.
-std::size_t line_of(const Error& error, const std::string& input) {
-  std::string_view rest = error.message();
-  if (!rest.starts_with(input)) return 0;
-  rest.remove_prefix(input.size());
-  if (!rest.starts_with(':')) return 0;
-  rest.remove_prefix(1);
-  return number_of<std::size_t>(rest.substr(0, rest.find(':'))).value_or(0);
-}
-
 /// An error in an O-word or a value ends the check; scripts get it as the only problem.
 CheckedProgram run_of(const CheckOptions& options, Console& console) {
   try {
     return run::check_program(options);
   } catch (const Error& error) {
-    const std::size_t line = line_of(error, options.input);
-    if (line == 0) throw;
+    const auto problem = run::problem_of(error, options.input);
+    if (!problem) throw;
     CheckedProgram run;
-    run.problems.push_back({line, 0, 0, std::string(error.message())});
+    run.problems.push_back(*problem);
     console.document(document(options, run));
     throw;
   }
@@ -138,7 +131,7 @@ void add_check(Command& program) {
       "Example:\n"
       "  lamplock check part.ngc --machine machine.toml --picture part.svg\n"
       "  lamplock check part.ngc --tools tools.ngc\n"
-      "  lamplock check part.ngc --material plywood --thickness 3");
+      "  lamplock check part.ngc --material plywood --thickness 5");
   const auto options = std::make_shared<CheckOptions>();
   app.add_option("PROGRAM", &options->input, "G-code program")
       .required()

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +18,16 @@
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/program_document.hpp"
 #include "host/cli/validators.hpp"
+#include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/number_text.hpp"
 #include "host/run/cut.hpp"
+#include "host/run/cut_drawing.hpp"
+#include "host/run/report_folder.hpp"
 #include "host/run/run_program.hpp"
+#include "host/version.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -31,6 +37,7 @@ struct CutOptions {
   std::string input;
   bool list = false, json = false;
   run::BoardOptions board;
+  std::string report;                   ///< folder; empty: none
   std::vector<const Option*> choices;   ///< that a description has keys for
   std::vector<const Option*> of_board;  ///< that need --board
 
@@ -80,6 +87,25 @@ Json cut_document(const CutOptions& options, const run::CutResult& result) {
   return json;
 }
 
+/// How the machine has run the program, beside the plan.
+void write_report(const CutOptions& options, const Json& document, const run::CutResult& result,
+                  run::ProgramOutcome& outcome, run::ReportFolder& folder) {
+  Json numbers = {{"version", version()},
+                  {"board", options.board.board},
+                  {"dry", options.request.is_dry},
+                  {"frame", options.request.is_frame}};
+  numbers.update(document);
+  cutting::PlanPage page = result.report.page;
+  const double seconds = std::chrono::duration<double>(outcome.result.elapsed).count();
+  page.numbers.emplace_back("Board", options.board.board);
+  page.numbers.emplace_back("End of the run", run::end_name(outcome));
+  page.numbers.emplace_back("Time of the run", duration_text(seconds));
+  page.numbers.emplace_back("Lines run",
+                            fmt::format("{} of {}", outcome.result.answered, outcome.lines));
+  folder.write_program(numbers.dump(2) + "\n", cutting::plan_page(page, result.report.operations),
+                       outcome.lost);
+}
+
 void show_list(const run::CutResult& result, Console& console) {
   constexpr const char* row = "{:>5}  {:<16} {:<8} {:<8} {:<4} {:>11} {:>12}  {}";
   console.line(fmt::format(row, "shape", "layer", "colour", "kind", "turn", "length mm", "area mm2",
@@ -104,6 +130,7 @@ Exit cut_drawing(const CutOptions& options) {
                      !request.save.empty() || request.is_for_board;
   if (!makes && !options.list) {
     check_is_file(request.description.drawing.file);
+    run::require_drawing_name(request.description.drawing.file);
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
                 "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
   }
@@ -116,10 +143,17 @@ Exit cut_drawing(const CutOptions& options) {
     run::check_program_options(
         options.board, {options.input, request.output, request.picture, request.page, request.save},
         console);
+  std::optional<run::ReportFolder> folder;
+  request.has_report = !options.report.empty();
+  if (request.has_report) {
+    run::check_report_folder(options.report);
+    folder.emplace(options.report);
+  }
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);
-  Json document = options.json ? cut_document(options, result) : Json::object();
+  const bool has_document = options.json || request.has_report;
+  Json document = has_document ? cut_document(options, result) : Json::object();
   if (!request.is_for_board) {
     console.document(document);
     return Exit::done;
@@ -127,9 +161,10 @@ Exit cut_drawing(const CutOptions& options) {
   run::ProgramOptions asked;
   asked.parts = {"cut", result.first_lines, result.cut_numbers};
   asked.machine.machine = request.description.machine.profile;
-  const run::ProgramOutcome outcome = run::run_program_text(
+  run::ProgramOutcome outcome = run::run_program_text(
       request.description.drawing.file, result.program, options.board, asked, console);
   document["run"] = program_json(outcome);
+  if (folder) write_report(options, document, result, outcome, *folder);
   console.document(document);
   return run::judge_program(outcome, options.board.board, console);
 }
@@ -216,7 +251,14 @@ void add_cut(Command& program) {
   add_choices(app, *options, run::parameters(description.operations.front()), "Operation");
   add_choices(app, *options, run::parameters(description.machine), "Machine");
   add_board(app, options->board, options->json);
-  constexpr std::array of_board{"--image", "--usb", "--baud", "--yes"};
+  app.add_option("--report", &options->report,
+                 "Write report.html and report.json of the run to this folder: the page of --page, "
+                 "the time and the end of the run")
+      .check(file_name())
+      .value_name("DIR")
+      .file(FileUse::write_report)
+      .group("Board");
+  constexpr std::array of_board{"--image", "--usb", "--baud", "--yes", "--report"};
   for (const Option& option : app.options())
     if (std::find(of_board.begin(), of_board.end(), option.name()) != of_board.end())
       options->of_board.push_back(&option);

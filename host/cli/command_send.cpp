@@ -15,6 +15,7 @@
 #include "host/cli/validators.hpp"
 #include "host/run/event_stream.hpp"
 #include "host/run/mode_name.hpp"
+#include "host/run/program_events.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
 #include "host/run/send_job.hpp"
@@ -70,9 +71,21 @@ void check_job_options(const SendOptions& options) {
   if (!program.machine.machine.empty()) program.machine.profile();  // a broken one is an error
 }
 
+/// Runs `read`. An error of it is the end of the events: it refuses the program.
+template <class Read>
+auto before_events(const std::string& events, const Read& read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    run::replace_events(events, error);
+    throw;
+  }
+}
+
 Exit send_program(const SendOptions& options, Console& console) {
   run::ProgramOptions program = options.program;
-  program.process = run::process_values(options.material);
+  program.process =
+      before_events(program.events, [&] { return run::process_values(options.material); });
   if (program.process) console.say("material  {}", run::text_of(*program.process));
   const run::ProgramOutcome outcome =
       run::run_program(options.file, options.board, program, console);
@@ -95,9 +108,10 @@ Exit send_file(const SendOptions& options) {
     throw Error(Exit::bad_input, "--events -", "--json writes to stdout, too",
                 "give --events a file, or leave --json out");
   Console console(options.json || has_events_on_stdout);
-  return run::kind_of_sent_file(options.file) == run::SentKind::program
-             ? send_program(options, console)
-             : send_job(options, console);
+  const run::SentKind kind =
+      before_events(options.program.events, [&] { return run::kind_of_sent_file(options.file); });
+  return kind == run::SentKind::program ? send_program(options, console)
+                                        : send_job(options, console);
 }
 
 }  // namespace
@@ -125,7 +139,7 @@ void add_send(Command& program) {
       "  lamplock send part.ngc --board /dev/ttyACM0\n"
       "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry\n"
       "  lamplock send probe.ngc --board /dev/ttyACM0 --probe-logs .\n"
-      "  lamplock send part.ngc --board /dev/ttyACM0 --material plywood --thickness 3");
+      "  lamplock send part.ngc --board /dev/ttyACM0 --material plywood --thickness 5");
   const auto options = std::make_shared<SendOptions>();
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
       .required()

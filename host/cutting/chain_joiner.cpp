@@ -75,9 +75,8 @@ class Joiner {
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  /// A chain shorter than so many gaps is a part of the gap: it is not closed over it, and the
-  /// ends at both sides of it are not at one place.
-  static constexpr double min_loop = 4;
+  /// The ends at both sides of a chain that is a part of its gap are not at one place, either.
+  static constexpr double min_loop = min_loop_gaps;
   static constexpr double reach_step = 8;
 
   struct Candidate {

@@ -15,6 +15,9 @@ namespace lamplock::cutting {
 /// A contour with the number of its first chain.
 using JoinedChain = std::pair<std::size_t, Contour>;
 
+/// A chain shorter than so many gaps is a part of the gap: it is not closed over it.
+inline constexpr double min_loop_gaps = 4;
+
 /// Joins open chains of one layer whose ends are nearer than the tolerance. A closed gap that is
 /// more than the rounding of a file is added to the faults.
 std::vector<JoinedChain> join_chains(std::vector<Contour> chains, double tolerance_mm,

@@ -151,16 +151,26 @@ class Planner {
     }
     try {
       return cut_path(as_cut(contour, step), options, sheet);
+    } catch (const LeadError& error) {
+      std::optional<LeadError> other;
+      if (auto stroke = path_elsewhere(contour, step, options, sheet, other))
+        return std::move(*stroke);
+      // No lead fits here, but a smaller one at another point.
+      if (error.fitting_mm() == 0 && other) throw LeadError(*other);
+      throw;
     } catch (const Error&) {
-      if (auto stroke = path_elsewhere(contour, step, options, sheet)) return std::move(*stroke);
+      std::optional<LeadError> other;
+      if (auto stroke = path_elsewhere(contour, step, options, sheet, other))
+        return std::move(*stroke);
       throw;
     }
   }
 
-  /// The path from another start point, in the middle of long edges first.
+  /// The path from another start point, in the middle of long edges first. `fitting` becomes the
+  /// error of the first point where a lead of another size fits.
   static std::optional<Stroke> path_elsewhere(const Contour& contour, CutStep step,
-                                              const CutPathOptions& options,
-                                              const CutSheet& sheet) {
+                                              const CutPathOptions& options, const CutSheet& sheet,
+                                              std::optional<LeadError>& fitting) {
     if (!contour.closed) return std::nullopt;
     std::vector<std::size_t> edges(contour.edges.size());
     std::iota(edges.begin(), edges.end(), std::size_t{0});
@@ -174,6 +184,8 @@ class Planner {
         step.part = part;
         try {
           return cut_path(as_cut(contour, step), options, sheet);
+        } catch (const LeadError& error) {
+          if (!fitting && error.fitting_mm() > 0) fitting = error;
         } catch (const Error&) {
           continue;
         }

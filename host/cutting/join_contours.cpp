@@ -1,5 +1,6 @@
 // join_contours(): chains of edges from paths, joined to contours; their duplicates and gaps.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -15,8 +16,13 @@ namespace {
 // Shorter curves that are joined to nothing have no shape, whatever gaps are closed.
 constexpr double max_dot_mm = JoinOptions{}.tolerance_mm;
 
+/// False for the ends of a contour that no tolerance closes, because it is a part of its gap.
+bool can_close(const Contour& contour, double gap_mm, double tolerance_mm) {
+  return gap_mm > tolerance_mm && length_of(contour) > min_loop_gaps * gap_mm;
+}
+
 /// One fault for each end of an open contour, with the distance to the nearest other end of its
-/// layer.
+/// layer that a tolerance can join with it; 0 without one.
 void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
                  std::vector<Fault>& faults) {
   std::vector<std::pair<Vec, std::size_t>> ends;
@@ -40,12 +46,15 @@ void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
     // The square is doubled until it holds the nearest end for certain.
     for (double reach = tolerance_mm * 2;; reach *= 2) {
       tree.visit(Box{at, at}.grown(reach), [&](std::size_t j) {
-        if (j != i && contours[ends[j].second].layer == contours[number].layer)
-          nearest = std::min(nearest, distance(at, ends[j].first));
+        const Contour& other = contours[ends[j].second];
+        if (j == i || other.layer != contours[number].layer) return;
+        const double gap_mm = distance(at, ends[j].first);
+        if (ends[j].second != number || can_close(other, gap_mm, tolerance_mm))
+          nearest = std::min(nearest, gap_mm);
       });
       if (nearest <= reach || reach > furthest) break;
     }
-    faults.push_back({FaultKind::gap, at, nearest, number});
+    faults.push_back({FaultKind::gap, at, std::isfinite(nearest) ? nearest : 0, number});
   }
 }
 

@@ -66,11 +66,9 @@ class FittingLead {
     Edge lead = lead_from(at_, direction_, options_.shape, side_);
     const std::string fault = fault_of(lead);
     if (fault.empty()) return lead;
-    const double size_mm = fitting_mm();
-    throw Error(Exit::bad_input, lead_place,
-                fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at_.x, at_.y, fault),
-                size_mm > 0 ? fmt::format("use a lead of {:g} mm, or none", size_mm)
-                            : "use no lead, or one of another shape or angle");
+    throw LeadError(
+        fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at_.x, at_.y, fault),
+        fitting_mm());
   }
 
  private:
@@ -128,6 +126,12 @@ class FittingLead {
 };
 
 }  // namespace
+
+LeadError::LeadError(const std::string& what, double fitting_mm)
+    : Error(Exit::bad_input, lead_place, what,
+            fitting_mm > 0 ? fmt::format("use a lead of {:g} mm, or none", fitting_mm)
+                           : "use no lead, or one of another shape or angle"),
+      fitting_mm_(fitting_mm) {}
 
 CutSheet::CutSheet(const std::vector<Contour>& contours) : tree_({}) {
   for (const Contour& contour : contours)

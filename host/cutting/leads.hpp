@@ -8,11 +8,13 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
 #include "host/cutting/drawn_contours.hpp"
+#include "host/error.hpp"
 
 namespace lamplock::cutting {
 
@@ -48,6 +50,17 @@ class CutSheet {
  private:
   std::vector<Edge> edges_;
   BoxTree tree_;
+};
+
+/// A lead that does not fit at its point of the contour.
+class LeadError : public Error {
+ public:
+  /// `fitting_mm`: the size that fits there; 0 if none does.
+  LeadError(const std::string& what, double fitting_mm);
+  double fitting_mm() const { return fitting_mm_; }
+
+ private:
+  double fitting_mm_;
 };
 
 struct LeadOptions {

@@ -51,10 +51,28 @@ class ProgramWriter {
     return std::move(text_);
   }
   /// Of its lines, after text().
-  const ProgramLines& numbers() const { return numbers_; }
+  ProgramLines numbers() { return std::move(numbers_); }
 
  private:
   void write(PostEvent event) { lines_ += templates_.append(event, text_); }
+  /// Writes a move to or along this edge of the plan.
+  void write_move(PostEvent event, WrittenMove::Kind kind, const Edge& edge) {
+    WrittenMove move;
+    move.kind = kind;
+    move.is_arc = event == PostEvent::arc_cw || event == PostEvent::arc_ccw;
+    move.first_line = lines_ + 1;
+    write(event);
+    move.end_line = lines_ + 1;
+    move.edge = edge;
+    move.z_mm = z_mm_;
+    move.feed_mm_min = operation_ ? operations_[*operation_].feed_mm_min : 0;
+    move.s = s_;
+    numbers_.moves.push_back(move);
+  }
+  /// Writes a move to a place.
+  void write_move(PostEvent event, WrittenMove::Kind kind, const Vec& to) {
+    write_move(event, kind, Edge{to, to, {}, 0});
+  }
   void comment(const std::string& text) {
     templates_.set(PostValue::text, comment_text(text));
     write(PostEvent::comment);
@@ -89,10 +107,11 @@ class ProgramWriter {
     go_to(first.from - direction_at(first, 0) * operation.kerf_mm);
     if (!operation.z_mm.empty()) go_to_height(operation.z_mm[pass]);
     templates_.set(PostValue::kerf, post_number(operation.kerf_mm, post_.decimals));
-    write(cut.controller->is_left ? PostEvent::left : PostEvent::right);
+    if (!frame_.is_uncompensated)
+      write(cut.controller->is_left ? PostEvent::left : PostEvent::right);
     go_to(first.from);
     write_stroke(drawn, operation);
-    write(PostEvent::uncompensated);
+    if (!frame_.is_uncompensated) write(PostEvent::uncompensated);
   }
 
   /// The passes of a tool. It leaves the sheet between strokes.
@@ -125,17 +144,21 @@ class ProgramWriter {
     leave();
     const bool is_lathe = post_.machine == MachineType::lathe;
     const Vec first = moves.front().edge.from;
+    const double power = operations_[*operation_].power;
     if (is_lathe) {
-      set_place({first.x, safe_radius_});
-      write(PostEvent::rapid);
+      const Vec outside{first.x, safe_radius_};
+      set_place(outside);
+      write_move(PostEvent::rapid, WrittenMove::Kind::rapid, outside);
       set_place(first);
-      write(PostEvent::sink);
+      write_move(PostEvent::sink, WrittenMove::Kind::sink, first);
     } else {
       go_to(first);
     }
+    set_power(power);
     write(PostEvent::shape_begin);
     for (const ToolMove& move : moves) {
-      if (!is_lathe && set_height(move.z_from_mm)) write(PostEvent::sink);
+      if (!is_lathe && set_height(move.z_from_mm))
+        write_move(PostEvent::sink, WrittenMove::Kind::sink, move.edge.from);
       set_height(move.z_to_mm);
       write_edge(move.edge);
     }
@@ -145,11 +168,12 @@ class ProgramWriter {
   /// To where rapids are free: above the sheet, or around the contours of a lathe.
   void leave() {
     if (post_.machine == MachineType::lathe) {
-      set_place({at_ ? at_->x : 0, safe_radius_});
+      const Vec outside{at_ ? at_->x : 0, safe_radius_};
+      set_place(outside);
       at_.reset();
-      write(PostEvent::height);
+      write_move(PostEvent::height, WrittenMove::Kind::height, outside);
     } else if (set_height(frame_.tooling.surface_mm + frame_.tooling.clearance_mm)) {
-      write(PostEvent::height);
+      write_move(PostEvent::height, WrittenMove::Kind::height, at_.value_or(Vec{}));
     }
   }
 
@@ -179,7 +203,8 @@ class ProgramWriter {
   }
 
   void set_power(double power) {
-    templates_.set(PostValue::power, post_number(power * frame_.max_s, speed_decimals));
+    s_ = power * frame_.max_s;
+    templates_.set(PostValue::power, post_number(s_, speed_decimals));
   }
 
   /// The power of the next moves. Templates whose moves have no power get a line for it.
@@ -221,19 +246,20 @@ class ProgramWriter {
     if (at_ == rounded(at)) return;
     set_place(at);
     set_power(0);
-    write(PostEvent::rapid);
+    write_move(PostEvent::rapid, WrittenMove::Kind::rapid, at);
   }
 
   void go_to_height(double z_mm) {
     if (!set_height(z_mm)) return;
     set_power(0);
-    write(PostEvent::height);
+    write_move(PostEvent::height, WrittenMove::Kind::height, at_.value_or(Vec{}));
   }
   /// True if it is another one.
   bool set_height(double z_mm) {
     std::string z = post_number(z_mm, post_.decimals);
     if (z == templates_.value(PostValue::z)) return false;
     templates_.set(PostValue::z, std::move(z));
+    z_mm_ = z_mm;
     return true;
   }
 
@@ -266,7 +292,7 @@ class ProgramWriter {
     // An arc that is as flat as the rounding is a line.
     const double flat = 0.5 / scale_;
     const bool is_flat = edge.is_line() || radius_of(edge) * (1 - std::cos(edge.sweep / 2)) < flat;
-    if (is_flat) return write(PostEvent::line);
+    if (is_flat) return write_move(PostEvent::line, WrittenMove::Kind::cut, edge);
     const Vec to_centre = rounded(edge.centre - from);
     if (!is_round(from, to_centre, edge)) {
       set_place(from);
@@ -276,7 +302,8 @@ class ProgramWriter {
     }
     templates_.set(PostValue::i, post_number(to_centre.x, post_.decimals));
     templates_.set(PostValue::j, post_number(to_centre.y, post_.decimals));
-    write(edge.sweep > 0 ? PostEvent::arc_ccw : PostEvent::arc_cw);
+    write_move(edge.sweep > 0 ? PostEvent::arc_ccw : PostEvent::arc_cw, WrittenMove::Kind::cut,
+               edge);
   }
 
   const CutPlan& plan_;
@@ -290,7 +317,9 @@ class ProgramWriter {
   ProgramLines numbers_;
   std::optional<Vec> at_;
   std::optional<std::size_t> operation_;
-  double power_ = 0;  ///< of the last line for it
+  std::optional<double> z_mm_;  ///< of the last moves
+  double s_ = 0;                ///< S word of the next moves
+  double power_ = 0;            ///< of the last line for it
   bool has_air_ = false;
   double safe_radius_ = 0;  ///< of a lathe, around all contours
   Vec heading_{1, 0};       ///< of the blade of a knife; along X at first

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/cutting/tool_path.hpp"
+#include "host/cutting/written_move.hpp"
 
 namespace lamplock::cutting {
 
@@ -87,12 +88,16 @@ struct ProgramFrame {
   Tooling tooling{};
   /// Diameters are radii: a program for the interpreter that checks it, which has no diameters.
   bool has_radii = false;
+  /// Without the lines `left`, `right`, `uncompensated`: the machine follows the drawn contours,
+  /// which a check can compare with the plan.
+  bool is_uncompensated = false;
 };
 
 /// Numbers of lines of a program, from 1.
 struct ProgramLines {
   std::vector<std::size_t> first{};  ///< of each cut
   std::size_t end = 0;               ///< the first one after all cuts
+  std::vector<WrittenMove> moves{};  ///< in the order of their lines
 };
 
 /// The program. Moves that the rounding of positions makes nothing are left out. `lines` gets the

@@ -8,6 +8,8 @@
 #include <optional>
 #include <string_view>
 
+#include "host/letter_case.hpp"
+
 namespace lamplock::cutting {
 namespace {
 
@@ -15,6 +17,38 @@ std::optional<std::size_t> value_named(std::string_view name) {
   const auto found = std::find(post_value_names.begin(), post_value_names.end(), name);
   if (found == post_value_names.end()) return std::nullopt;
   return static_cast<std::size_t>(found - post_value_names.begin());
+}
+
+/// A bit for each value whose word is followed by a number outside of comments: S0, F600, Z-5.
+std::uint32_t fixed_values(std::string_view line) {
+  struct Word {
+    char letter;
+    PostValue value;
+  };
+  constexpr std::array<Word, 5> words{{{'X', PostValue::x},
+                                       {'Y', PostValue::y},
+                                       {'Z', PostValue::z},
+                                       {'F', PostValue::feed},
+                                       {'S', PostValue::power}}};
+  std::uint32_t fixed = 0;
+  char until = 0;  // end of a comment or of a value
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (until != 0) {
+      if (c == until) until = 0;
+      continue;
+    }
+    if (c == ';') break;
+    if (c == '(' || c == '{') until = c == '(' ? ')' : '}';
+    for (const Word& word : words) {
+      if (upper_case(c) != word.letter) continue;
+      const std::size_t next = line.find_first_not_of(' ', i + 1);
+      constexpr std::string_view numbers = "0123456789.+-";
+      if (next != std::string_view::npos && numbers.find(line[next]) != std::string_view::npos)
+        fixed |= std::uint32_t{1} << static_cast<std::size_t>(word.value);
+    }
+  }
+  return fixed;
 }
 
 /// 10 to a power that is not negative.
@@ -56,11 +90,13 @@ std::string post_number(double value, int decimals) {
 
 PostTemplates::PostTemplates(const Post& post) {
   for (std::size_t i = 0; i < lines_.size(); ++i)
-    for (const std::string& line : post.lines[i]) lines_[i].push_back(pieces_of(line));
+    for (const std::string& line : post.lines[i]) lines_[i].push_back(template_of(line));
 }
 
-PostTemplates::Template PostTemplates::pieces_of(const std::string& text) {
-  Template pieces;
+PostTemplates::Template PostTemplates::template_of(const std::string& text) {
+  Template whole;
+  whole.fixed = fixed_values(text);
+  std::vector<Piece>& pieces = whole.pieces;
   const auto text_at_end = [&]() -> std::string& {
     if (pieces.empty() || pieces.back().kind != PieceKind::text)
       pieces.push_back({PieceKind::text});
@@ -82,7 +118,7 @@ PostTemplates::Template PostTemplates::pieces_of(const std::string& text) {
       text_at_end() += c;
     }
   }
-  return pieces;
+  return whole;
 }
 
 std::size_t PostTemplates::append(PostEvent event, std::string& program) {
@@ -101,7 +137,7 @@ void PostTemplates::fill(const Template& line, std::string& program) {
   std::uint32_t in_line = 0, in_part = 0;  // values
   std::size_t part_begin = 0;
   bool is_part = false, has_changed = false;
-  for (const Piece& piece : line) {
+  for (const Piece& piece : line.pieces) {
     switch (piece.kind) {
       case PieceKind::text:
         program += piece.text;
@@ -128,6 +164,9 @@ void PostTemplates::fill(const Template& line, std::string& program) {
   }
   for (std::size_t i = 0; in_line != 0; ++i, in_line >>= 1)
     if ((in_line & 1u) != 0) written_[i] = values_[i];
+  std::uint32_t fixed = line.fixed;
+  for (std::size_t i = 0; fixed != 0; ++i, fixed >>= 1)
+    if ((fixed & 1u) != 0) written_[i].clear();
 }
 
 std::string template_fault(const std::string& text) {

@@ -42,11 +42,16 @@ class PostTemplates {
     std::string text{};     ///< of a text
     std::size_t value = 0;  ///< number of a value
   };
-  using Template = std::vector<Piece>;
+  struct Template {
+    std::vector<Piece> pieces{};
+    /// Values whose words the line has with a number of its own: after S0 a part [ S{power}] must
+    /// be written again.
+    std::uint32_t fixed = 0;
+  };
 
   static std::size_t at(PostValue value) { return static_cast<std::size_t>(value); }
   static std::uint32_t bit(std::size_t value) { return std::uint32_t{1} << value; }
-  Template pieces_of(const std::string& text);
+  Template template_of(const std::string& text);
   void fill(const Template& line, std::string& program);
 
   std::array<std::vector<Template>, post_event_names.size()> lines_;

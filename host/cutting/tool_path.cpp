@@ -26,16 +26,6 @@ std::vector<Edge> halved(const Edge& edge) {
   return {cut_out(edge, 0, 0.5, edge.from, middle), cut_out(edge, 0.5, 1, middle, edge.to)};
 }
 
-/// Length of the moves before the first tab; of all moves without one.
-double length_before_tabs(const Stroke& stroke) {
-  double length = 0;
-  for (const CutMove& move : stroke) {
-    if (move.kind == CutKind::tab) break;
-    length += length_of(move.edge);
-  }
-  return length;
-}
-
 /// One way along edges, in which the tool descends by the same angle everywhere.
 void append_leg(std::vector<ToolMove>& moves, const std::vector<Edge>& edges, double z_from_mm,
                 double z_per_mm) {
@@ -53,6 +43,25 @@ std::vector<Edge> turned_back(const std::vector<Edge>& edges) {
   std::vector<Edge> back;
   for (auto edge = edges.rbegin(); edge != edges.rend(); ++edge) back.push_back(reversed(*edge));
   return back;
+}
+
+/// Back and forth along the begin of these edges, down to the height of the pass.
+void append_ramp(std::vector<ToolMove>& moves, const std::vector<Edge>& edges,
+                 const PassHeights& pass, const Tooling& tooling) {
+  const Contour way{edges, false};
+  const double depth = pass.from_mm - pass.to_mm, room = length_of(way);
+  if (depth <= 0 || room <= 0) return;
+  const double ramp = depth / std::tan(tooling.ramp_deg * pi / 180);
+  // As many ways back and forth as the room needs.
+  const double pairs = std::ceil(ramp / 2 / room);
+  const double leg = ramp / 2 / pairs, slope = depth / ramp;
+  const std::vector<Edge> forth = edges_between(way, 0, leg), back = turned_back(forth);
+  for (int i = 0; i < static_cast<int>(pairs); ++i) {
+    const double z = pass.from_mm - depth * i / pairs;
+    append_leg(moves, forth, z, slope);
+    append_leg(moves, back, z - slope * leg, slope);
+  }
+  moves.back().z_to_mm = pass.to_mm;
 }
 
 /// The way of the swivel axis along an edge.
@@ -104,26 +113,20 @@ void require_profile(const Stroke& stroke) {
 std::vector<ToolMove> mill_path(const Stroke& stroke, const PassHeights& pass,
                                 const Tooling& tooling) {
   std::vector<ToolMove> moves;
-  const double depth = pass.from_mm - pass.to_mm;
-  const double ramp = depth / std::tan(tooling.ramp_deg * pi / 180);
-  const double room = length_before_tabs(stroke);
-  if (depth > 0 && room > 0) {
-    Contour way{{}, false};
-    for (const CutMove& move : stroke) way.edges.push_back(move.edge);
-    // As many ways back and forth as the room needs.
-    const double pairs = std::ceil(ramp / 2 / room);
-    const double leg = ramp / 2 / pairs, slope = depth / ramp;
-    const std::vector<Edge> forth = edges_between(way, 0, leg), back = turned_back(forth);
-    for (int i = 0; i < static_cast<int>(pairs); ++i) {
-      const double z = pass.from_mm - depth * i / pairs;
-      append_leg(moves, forth, z, slope);
-      append_leg(moves, back, z - slope * leg, slope);
-    }
-    moves.back().z_to_mm = pass.to_mm;
-  }
-  for (const CutMove& move : stroke) {
-    const double bottom = tooling.surface_mm + move.power * (pass.final_mm - tooling.surface_mm);
-    append_leg(moves, {move.edge}, std::max(pass.to_mm, bottom), 0);
+  const auto bottom_of = [&](const CutMove& move) {
+    return tooling.surface_mm + move.power * (pass.final_mm - tooling.surface_mm);
+  };
+  double z = pass.from_mm;  // of the tool
+  for (std::size_t i = 0; i < stroke.size();) {
+    const double bottom = bottom_of(stroke[i]), to = std::max(pass.to_mm, bottom);
+    std::vector<Edge> level;  // the moves in this height
+    for (; i < stroke.size() && bottom_of(stroke[i]) == bottom; ++i)
+      level.push_back(stroke[i].edge);
+    // The pass before has cut down to here.
+    const double from = std::min(z, std::max(pass.from_mm, bottom));
+    append_ramp(moves, level, {from, to, pass.final_mm}, tooling);
+    append_leg(moves, level, to, 0);
+    z = to;
   }
   return moves;
 }

@@ -38,8 +38,9 @@ struct ToolMove {
 };
 
 /// The mill descends back and forth along the begin of the stroke, at most up to its first tab, and
-/// then cuts all of it in the height of the pass. In a tab it cuts no deeper than the share of the
-/// final depth that is the power of the move. Arcs are at most half circles.
+/// then cuts in the height of the pass. In a tab it cuts no deeper than the share of the final
+/// depth that is the power of the move; after a tab it descends again along what follows, up to the
+/// next tab. Arcs are at most half circles.
 std::vector<ToolMove> mill_path(const Stroke& stroke, const PassHeights& pass,
                                 const Tooling& tooling);
 

@@ -63,7 +63,7 @@ void take_field(std::string_view field, BoardStatus& status) {
   } else if (name == "WCO") {
     status.work_offset = numbers(field);
   } else if (name == "Bf") {
-    take_part(field, ',');
+    status.free_lines = number_of<std::size_t>(take_part(field, ','));
     if (const auto bytes = number_of<std::size_t>(field)) status.free_bytes = bytes;
   } else if (name == "FS") {
     const std::vector<double> rates = numbers(field);
@@ -115,7 +115,7 @@ bool take_identity(std::string_view line, BoardIdentity& identity) {
     return true;
   }
   identity.options = take_part(line, ',');
-  take_part(line, ',');
+  identity.planner_lines = number_of<std::size_t>(take_part(line, ',')).value_or(0);
   if (const auto bytes = number_of<std::size_t>(take_part(line, ',')))
     identity.window_bytes = *bytes;
   return true;

@@ -20,10 +20,10 @@ struct BoardStatus {
   std::vector<double> position;  ///< MPos, or WPos
   bool of_work = false;          ///< the position is WPos
   std::vector<double> work_offset;
-  std::optional<std::size_t> free_bytes;  ///< Bf
-  double feed = 0, speed = 0;             ///< FS: mm/min, spindle speed or power
-  std::vector<int> overrides;             ///< Ov: feed, rapid, spindle, per cent
-  std::size_t line = 0;                   ///< Ln: N word of the line that is executed; 0 = none
+  std::optional<std::size_t> free_lines, free_bytes;  ///< Bf: of the planner, of the buffer
+  double feed = 0, speed = 0;                         ///< FS: mm/min, spindle speed or power
+  std::vector<int> overrides;                         ///< Ov: feed, rapid, spindle, per cent
+  std::size_t line = 0;  ///< Ln: N word of the line that is executed; 0 = none
 
   bool is(std::string_view name) const { return state == name; }
   /// The machine is at rest until the user or the host sends a command.
@@ -49,9 +49,10 @@ bool is_banner(std::string_view line);
 
 /// The answer to `$I`.
 struct BoardIdentity {
-  std::string version;           ///< text of [VER:]
-  std::string options;           ///< letters of [OPT:]
-  std::size_t window_bytes = 0;  ///< of the receive buffer; 0 = not reported
+  std::string version;            ///< text of [VER:]
+  std::string options;            ///< letters of [OPT:]
+  std::size_t planner_lines = 0;  ///< that it has room for; 0 = not reported
+  std::size_t window_bytes = 0;   ///< of the receive buffer; 0 = not reported
 };
 
 /// Reads a line of the answer to `$I`; false if the line is another one.

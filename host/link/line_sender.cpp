@@ -17,6 +17,8 @@ constexpr Time max_line_wait{20'000};
 constexpr Time min_wait{1'000};
 /// Idle reports in a row at the end: one may come between an ok and the motion of its line.
 constexpr int idle_reports_at_end = 2;
+/// Reports in a row without a line in progress: the motion of a planned line may begin after one.
+constexpr int still_reports_of_dwell = 2;
 constexpr double us_per_s = 1e6;
 /// Limit for P words that are not dwell times, which could make the sender wait for days.
 constexpr double max_dwell_us = 3'600 * us_per_s;
@@ -73,6 +75,9 @@ void LineSender::begin() {
   }
   if (greeting_.identity.version.find("lamplock") != std::string::npos) number_lines();
   check_lengths();
+  const auto locked = std::ranges::find_if(
+      lines_, [](const ProgramLine& line) { return may_lock_to_beat(line.text); });
+  first_locked_ = static_cast<std::size_t>(locked - lines_.begin());
   const Time now = port_.transport().now();
   started_at_ = heard_at_ = now;
   asked_at_ = now - options_.status_interval;
@@ -138,9 +143,28 @@ void LineSender::take_status(BoardStatus status) {
   }
   idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
   if (idle_reports_ >= idle_reports_at_end) done_ = answered_;
+  note_done_at_rest();
   // A program that begins with $H or $X ends the alarm by its first line.
   const bool ends_alarm = unlocks_ && answered_ == 0;
   if (status_.is("Alarm") && phase_ == Phase::streaming && !ends_alarm) end(LineEnd::alarm);
+}
+
+/// Every line that was answered has ended, if the machine is at rest: a hold keeps the rest of its
+/// line in the planner. Points on the beat are in another queue.
+bool LineSender::has_empty_planner() const {
+  const std::size_t lines = greeting_.identity.planner_lines;
+  return lines != 0 && status_.free_lines == lines && answered_ <= first_locked_;
+}
+
+/// A pause, a tool change or a dwell is answered at its end; the lines before it have ended when it
+/// begins.
+void LineSender::note_done_at_rest() {
+  const bool waits = status_.is("Tool") || (status_.waits() && has_empty_planner());
+  const bool dwells = status_.is("Run") && status_.line == 0 && status_.feed == 0 &&
+                      answered_ < sent_ && runs_at_rest(lines_[answered_].text) &&
+                      has_empty_planner();
+  still_reports_ = fresh() && dwells ? still_reports_ + 1 : 0;
+  if ((fresh() && waits) || still_reports_ >= still_reports_of_dwell) done_ = answered_;
 }
 
 void LineSender::take_answer(int error) {
@@ -153,7 +177,7 @@ void LineSender::take_answer(int error) {
   bytes_under_way_ -= size_of(lines_[answered_].text);
   ++answered_;
   asked_before_ = asked_;
-  idle_reports_ = 0;
+  idle_reports_ = still_reports_ = 0;
   idle_short_ = false;
   if (error != 0) return take_error(error);
   if (runs_at_rest(lines_[answered_ - 1].text)) done_ = answered_;

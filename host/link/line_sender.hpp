@@ -139,7 +139,8 @@ class LineSender {
   std::size_t executed() const;
   /// Lines that are known to be executed, refused ones included: those before a line that the board
   /// reports, all before and with a line that it executes at rest, and all answered ones as soon as
-  /// it is at rest. Steps that were handed out, of 2 to 3 ms, may follow.
+  /// it is at rest: idle, in a pause, a tool change or a dwell. Steps that were handed out, of 2 to
+  /// 3 ms, may follow.
   std::size_t done() const { return done_; }
   const std::vector<LineError>& errors() const { return errors_; }
   const BoardStatus& status() const { return status_; }
@@ -162,6 +163,8 @@ class LineSender {
   void take_status(BoardStatus status);
   std::size_t index_of(std::size_t number) const;
   bool fresh() const { return status_of_ > asked_before_; }
+  bool has_empty_planner() const;
+  void note_done_at_rest();
   void take_answer(int error);
   void take_error(int error);
   void take_alarm(int number);
@@ -216,6 +219,8 @@ class LineSender {
   bool unlocks_ = false;        ///< the machine was locked, and the first line ends that
   bool is_held_early_ = false;  ///< hold() was called before the first line, and is not sent yet
   int idle_reports_ = 0;
+  int still_reports_ = 0;         ///< in a row, before a line that is executed at rest
+  std::size_t first_locked_ = 0;  ///< index of the first line on the beat (M130)
   bool host_line_runs_ = false;
   Time host_since_{}, host_time_{};
   Time heard_at_{};

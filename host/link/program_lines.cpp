@@ -73,16 +73,17 @@ bool is_message(std::string_view comment) {
   return kind.size() < comment.size() && (kind == "msg" || kind == "debug" || kind == "print");
 }
 
-/// The messages of a line, in brackets, as far as a board's line has room for them; without bytes
-/// that it would execute as real-time commands.
+/// The messages of a line, in brackets, each as far as a board's line has room for it; without
+/// bytes that it would execute as real-time commands.
 std::string messages_of(std::string_view line) {
   std::string messages;
   for (const std::string_view comment : comments_of(line)) {
     if (!is_message(comment)) continue;
+    const std::size_t begin = messages.size();
     messages += '(';
     for (const char c : comment)
       if (realtime_fault({&c, 1}).empty()) messages += c;
-    if (messages.size() > wire::max_line - 2) messages.resize(wire::max_line - 2);
+    messages.resize(std::min(messages.size(), begin + wire::max_line - 2));
     messages += ')';
   }
   return messages;
@@ -127,19 +128,43 @@ std::vector<std::string> logs_of(std::string_view line, const std::string& where
 /// A board reports no message of a line of assignments alone.
 bool is_assignment(const std::string& line) { return line.starts_with('#'); }
 
+/// A loop executes the line of its begin again; the messages before that line are shown once.
+bool may_be_o_word(const std::string& line) {
+  return line.starts_with('o') || line.starts_with('O');
+}
+
+/// Characters of the longest N word, with room to spare.
+constexpr std::size_t number_room = 10;
+
 /// Puts lines of messages alone before the next line: into it, or as lines of their own if they
 /// show values, which that line could change, or if it has no room for them.
 void put_comments(std::vector<ProgramLine>& comments, ProgramLine& next,
                   std::vector<ProgramLine>& lines) {
-  constexpr std::size_t number_room = 10;
   std::string joined;
   for (const ProgramLine& comment : comments) joined += comment.messages;
   const std::size_t size = next.text.size() + joined.size() + next.messages.size() + number_room;
-  if (joined.find('#') == std::string::npos && !is_assignment(next.text) && size < wire::max_line)
+  const bool is_joined = joined.find('#') == std::string::npos && !is_assignment(next.text) &&
+                         !may_be_o_word(next.text) && size < wire::max_line;
+  if (is_joined)
     next.messages.insert(0, joined);
   else
     lines.insert(lines.end(), comments.begin(), comments.end());
   comments.clear();
+}
+
+/// The messages of a line in parts, each of which fits into a line of its own.
+std::vector<std::string> message_parts(std::string_view messages) {
+  std::vector<std::string> parts;
+  while (!messages.empty()) {
+    const auto end = messages.find(')');
+    const std::string_view message =
+        messages.substr(0, end == std::string_view::npos ? end : end + 1);
+    messages.remove_prefix(message.size());
+    if (parts.empty() || parts.back().size() + message.size() >= wire::max_line)
+      parts.emplace_back();
+    parts.back() += message;
+  }
+  return parts;
 }
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
@@ -177,6 +202,24 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
       line.text += line.messages;
   }
   return lines;
+}
+
+std::vector<ProgramLine> separate_messages(
+    std::vector<ProgramLine> lines, const std::function<bool(const std::string&)>& holds_none) {
+  std::vector<ProgramLine> result;
+  result.reserve(lines.size());
+  for (ProgramLine& line : lines) {
+    const std::size_t size = line.text.size() + line.messages.size() + number_room;
+    const bool fits = line.text.empty() ? line.messages.size() < wire::max_line
+                                        : size < wire::max_line && !line.text.starts_with('$') &&
+                                              !(holds_none && holds_none(line.text));
+    if (!line.messages.empty() && !fits)
+      for (std::string& part : message_parts(std::exchange(line.messages, {})))
+        result.push_back({line.number, {}, std::move(part), line.origin});
+    // A line of messages alone is in these parts.
+    if (fits || !line.text.empty() || !line.logs.empty()) result.push_back(std::move(line));
+  }
+  return result;
 }
 
 std::string probe_log_name(std::string_view comment) {
@@ -256,6 +299,7 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
       continue;
     }
     ProgramLine next{number, std::move(line), std::move(messages), {}, std::exchange(logs, {})};
+    if (next.text != source) next.source = source;
     if (!next.text.starts_with('$')) put_comments(comments, next, lines);
     if (is_assignment(next.text) && !next.messages.empty())
       comments.push_back({number, {}, std::exchange(next.messages, {})});
@@ -287,6 +331,13 @@ bool is_pause(std::string_view line) {
     pause = pause || number == 0 || number == optional_pause || number == pallet_pause;
   });
   return pause;
+}
+
+bool may_lock_to_beat(std::string_view line) {
+  constexpr double beat_lock = 130;
+  bool locks = has_expression(line, 'M');
+  each_word(line, 'M', [&](double number) { locks = locks || number == beat_lock; });
+  return locks;
 }
 
 bool runs_at_rest(std::string_view line) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ struct ProgramLine {
   std::string origin{};  ///< FILE:LINE, of a line from another file than the program's
   /// Comments `(probeopen NAME)` and `(probeclose)` of this line and of blank ones before it.
   std::vector<std::string> logs{};
+  std::string source{};  ///< the line in its file, if it differs from `text`; empty: not known
 };
 
 /// The lines with their numbers in the file as N words, in place of their own, so that a board
@@ -31,6 +33,11 @@ struct ProgramLine {
 /// (shared/wire/framing.hpp) have no number.
 /// Messages follow their line if there is room.
 std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines);
+
+/// The lines, with messages in lines of their own before a line that has no room for them or cannot
+/// hold them: a `$` line, or one for which `holds_none` is true, which the board does not get.
+std::vector<ProgramLine> separate_messages(
+    std::vector<ProgramLine> lines, const std::function<bool(const std::string&)>& holds_none = {});
 
 /// The line without comments (brackets, semicolon) and white space at both ends; in `$` lines text
 /// that looks like a comment stays. Throws Error(bad_input) about `where` if it has a byte that a
@@ -65,6 +72,9 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
 
 /// True if the line pauses the program: M0, M1 or M60; or may, by an expression.
 bool is_pause(std::string_view line);
+
+/// True if the line is M130, after which points are on the beat; or may be, by an expression.
+bool may_lock_to_beat(std::string_view line);
 
 /// True if the board answers the line after it has executed it and all lines before: a dwell, a
 /// pause, a probe, the end of the program, a tool change, M66, `$H`.

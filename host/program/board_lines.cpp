@@ -6,6 +6,8 @@
 #include <array>
 
 #include "host/letter_case.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -35,5 +37,14 @@ std::string board_line_fault(std::string_view line) {
 }
 
 bool is_sleep(std::string_view line) { return command_of(line) == "$SLP"; }
+
+bool has_only_board_lines(std::string_view text) {
+  text = without_byte_order_mark(text);
+  while (!text.empty()) {
+    const std::string line = link::text_to_send(take_line(text));
+    if (line.find_first_not_of("% \t") != std::string::npos && !is_board_line(line)) return false;
+  }
+  return true;
+}
 
 }  // namespace lamplock::program_run

@@ -19,4 +19,7 @@ std::string board_line_fault(std::string_view line);
 /// must not even be in a file of `$` lines.
 bool is_sleep(std::string_view line);
 
+/// No line of the text is G-code, but some are `$` lines: no program.
+bool has_only_board_lines(std::string_view text);
+
 }  // namespace lamplock::program_run

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "host/program/flow_unit.hpp"
+#include "host/program/program_error.hpp"
 
 namespace lamplock::program_run {
 
@@ -18,10 +19,10 @@ class FlowFiles {
   /// `program` must outlive it.
   explicit FlowFiles(const FlowUnit& program) : program_(program) {}
 
-  /// Throws Error(bad_input): at `where`, the place of the call, if there is no such sub; about the
+  /// Throws ProgramError: at `where`, the place of the call, if there is no such sub; about the
   /// file if it does not have the sub, or an error of its own.
   const FlowUnit* with_sub(const std::string& label, const FlowUnit& caller,
-                           const std::string& where);
+                           const ProgramPlace& where);
 
  private:
   const FlowUnit& program_;

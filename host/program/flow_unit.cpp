@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "host/error.hpp"
+#include "host/program/program_error.hpp"
 #include "host/program/program_words.hpp"
 #include "host/program/user_command.hpp"
 #include "host/text.hpp"
@@ -35,8 +35,7 @@ class FlowLinker {
   }
   [[noreturn]] void refuse(const FlowStatement& statement, const std::string& what,
                            const std::string& remedy) const {
-    throw Error(Exit::bad_input, fmt::format("{}:{}", unit_.file, statement.line.number), what,
-                remedy);
+    throw ProgramError({unit_.file, statement.line.number}, what, remedy);
   }
 
   void note_program_number(std::size_t i) {
@@ -169,15 +168,11 @@ FlowUnit flow_unit_of(std::vector<link::ProgramLine> lines, const std::string& f
   FlowUnit unit;
   unit.file = file;
   for (link::ProgramLine& line : lines) {
-    std::string unknown;
+    std::optional<FlowWordFault> fault;
     FlowStatement statement{std::move(line)};
     if (!statement.line.text.starts_with('$'))
-      statement.word = flow_word_of(statement.line.text, unknown);
-    if (!unknown.empty())
-      throw Error(Exit::bad_input, fmt::format("{}:{}", file, statement.line.number),
-                  fmt::format("'{}' is no O-word", unknown),
-                  "use sub, call, return, if, elseif, else, while, do, repeat, break, continue or "
-                  "an end of them");
+      statement.word = flow_word_of(statement.line.text, fault);
+    if (fault) throw ProgramError({file, statement.line.number}, fault->what, fault->remedy);
     unit.statements.push_back(std::move(statement));
   }
   FlowLinker(unit).link();
@@ -199,8 +194,8 @@ bool has_flow(std::string_view text) {
   while (!text.empty()) {
     const std::string line = link::text_to_send(take_line(text));
     if (line.empty() || line.front() == '$') continue;
-    std::string unknown;
-    if (flow_word_of(line, unknown) || subprogram_code(line) != 0) return true;
+    std::optional<FlowWordFault> ignored;
+    if (flow_word_of(line, ignored) || subprogram_code(line) != 0) return true;
     // The values of P and Q.
     if (line.find_first_of("#[") != std::string::npos && is_user_command(line)) return true;
   }

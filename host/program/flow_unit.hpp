@@ -31,7 +31,7 @@ struct FlowUnit {
   std::map<std::string, std::size_t> programs;  ///< index of a line O1000 by its number
 };
 
-/// Throws Error(bad_input) about FILE:LINE: an unknown word, an end without its begin, a begin
+/// Throws ProgramError: an unknown word, an end without its begin, a begin
 /// without its end, two subs with one label.
 FlowUnit flow_unit_of(std::vector<link::ProgramLine> lines, const std::string& file);
 

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 
+#include "firmware/program/message.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "shared/gcode_words.hpp"
 
@@ -81,7 +82,7 @@ program::Fault FlowValues::read_words(std::string_view line, std::string& text) 
 std::string FlowValues::messages(std::string_view comments) {
   std::string all;
   for (TextLine text; program::take_message(comments, expressions_, text); text = {})
-    all += "(MSG," + std::string(text.view()) + ")";
+    all += fmt::format("(MSG,{})", text.view().substr(0, program::max_message));
   return all;
 }
 

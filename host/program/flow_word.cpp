@@ -1,6 +1,10 @@
 #include "host/program/flow_word.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cctype>
+#include <iterator>
 
 #include "host/letter_case.hpp"
 
@@ -55,12 +59,25 @@ std::size_t after_label(std::string_view text, std::size_t from) {
   return end == from ? 0 : end;
 }
 
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+/// `o1 if 1`: LinuxCNC needs the brackets, too.
+FlowWordFault without_brackets(std::string_view name, Flow flow, std::string_view values) {
+  constexpr Flow with_values[] = {Flow::call, Flow::endsub, Flow::returning,  Flow::branch,
+                                  Flow::loop, Flow::repeat, Flow::else_branch};
+  if (std::ranges::find(with_values, flow) == std::end(with_values))
+    return {fmt::format("{} has no value", name), "remove what follows it"};
+  return {fmt::format("the value '{}' of {} is not in square brackets", values, name),
+          fmt::format("write '{} [{}]'", name, values)};
+}
+
 }  // namespace
 
-std::optional<FlowWord> flow_word_of(std::string_view line, std::string& unknown) {
-  unknown.clear();
+std::optional<FlowWord> flow_word_of(std::string_view line, std::optional<FlowWordFault>& fault) {
+  fault.reset();
   std::string text = in_lower_case_without_blanks(line);
-  if (text.starts_with('/')) text.erase(0, 1);  // block delete is off
+  const std::size_t dropped = text.starts_with('/') ? 1 : 0;  // block delete is off
+  text.erase(0, dropped);
   std::size_t at = 0;
   if (text.starts_with('n')) at = after_digits(text, 1);
   if (at >= text.size() || text[at] != 'o') return std::nullopt;
@@ -68,20 +85,30 @@ std::optional<FlowWord> flow_word_of(std::string_view line, std::string& unknown
   if (end == 0 || end == text.size()) return std::nullopt;
   FlowWord word;
   word.label = text.substr(begin, end - begin);
+  word.label_at = begin + dropped;
   while (word.label.size() > 1 && word.label.front() == '0') word.label.erase(0, 1);
   const std::string_view rest = std::string_view(text).substr(end);
-  if (std::isalpha(static_cast<unsigned char>(rest.front())) == 0) return std::nullopt;
+  if (!is_letter(rest.front())) return std::nullopt;
   for (const FlowName& name : flow_names) {
     if (!rest.starts_with(name.text)) continue;
+    const std::string_view values = rest.substr(name.text.size());
+    if (!values.empty() && values.front() != '[') {
+      const bool is_function = values.find('[') != std::string_view::npos;
+      if (is_letter(values.front()) && !is_function) break;  // another word
+      fault = without_brackets(name.text, name.flow, values);
+      return word;
+    }
     word.flow = name.flow;
-    word.arguments = rest.substr(name.text.size());
-    if (!word.arguments.empty() && word.arguments.front() != '[') break;
+    word.arguments = values;
+    word.arguments_at = end + name.text.size() + dropped;
     return word;
   }
   // Words of a block after a program number: O1000 G90.
-  const bool is_block = rest.size() > 1 && std::isalpha(static_cast<unsigned char>(rest[1])) == 0;
+  const bool is_block = rest.size() > 1 && !is_letter(rest[1]);
   if (is_block && word.label.front() != '<') return std::nullopt;
-  unknown = rest;
+  fault = {fmt::format("'{}' is no O-word", rest),
+           "use sub, call, return, if, elseif, else, while, do, repeat, break, continue or an end "
+           "of them"};
   return word;
 }
 

@@ -4,6 +4,7 @@
 // Who: flow_unit.hpp. Upper and lower case and blanks do not differ.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,11 +34,18 @@ struct FlowWord {
   Flow flow{};
   std::string label{};      ///< a number, <name>, or of a call a value: #1, [expression]
   std::string arguments{};  ///< values in square brackets, one after the other
+  /// Where they begin in the line without its blanks.
+  std::size_t label_at = 0, arguments_at = 0;
+};
+
+/// What is no O-word, and what to do.
+struct FlowWordFault {
+  std::string what, remedy;
 };
 
 /// Empty if the line is none; O1000 alone is a program number. Without a flow if its word is
-/// unknown: `unknown` then has it.
-std::optional<FlowWord> flow_word_of(std::string_view line, std::string& unknown);
+/// unknown or its values are not in brackets: `fault` then says so.
+std::optional<FlowWord> flow_word_of(std::string_view line, std::optional<FlowWordFault>& fault);
 
 /// As in a program: `if`.
 std::string_view name_of(Flow flow);

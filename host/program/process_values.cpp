@@ -8,7 +8,6 @@
 
 #include "firmware/program/interpreter.hpp"
 #include "firmware/program/message.hpp"
-#include "host/error.hpp"
 #include "host/letter_case.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/printable.hpp"
@@ -132,14 +131,13 @@ std::vector<Reference> references_in(std::string_view line) {
   return found;
 }
 
-template <class Refusal = Error>
+template <class Refusal = ProgramError>
 [[noreturn]] void refuse(std::string_view line, const Reference& reference, const LinePlace& place,
                          const std::string& what, const std::string& remedy) {
-  std::string where = fmt::format("{}:{}", place.file, place.line);
-  if (place.has_columns) where += fmt::format(":{}", reference.hash + 1);
+  const std::size_t own = reference.hash + 1, column = place.column ? place.column(own) : own;
   const std::size_t end = line.find('>', reference.hash) + 1;
   throw Refusal(
-      Exit::bad_input, where,
+      ProgramPlace{place.file, place.line, column},
       fmt::format("'{}': {}", printable(line.substr(reference.hash, end - reference.hash)), what),
       remedy);
 }

@@ -11,12 +11,13 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "host/error.hpp"
 #include "host/program/board_state.hpp"
+#include "host/program/program_error.hpp"
 #include "shared/settings_table.hpp"
 
 namespace lamplock::program_run {
@@ -34,16 +35,17 @@ struct ProcessValues {
 };
 
 /// A program reads a process parameter and no material is chosen: a page asks for one.
-class NoMaterial : public Error {
+class NoMaterial : public ProgramError {
  public:
-  using Error::Error;
+  using ProgramError::ProgramError;
 };
 
 /// A line of a file, for errors.
 struct LinePlace {
   const std::string& file;
   std::size_t line = 0;
-  bool has_columns = true;  ///< the text is the line of the file
+  /// The column in the file of a column of the text; 0: not known. Empty: they are the same.
+  std::function<std::size_t(std::size_t)> column{};
 };
 
 /// Whether a text has a process parameter, EXISTS included.

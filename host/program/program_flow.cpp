@@ -3,17 +3,19 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "firmware/program/decimal.hpp"
-#include "host/error.hpp"
 #include "host/program/flow_files.hpp"
+#include "host/program/flow_place.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
-#include "host/program/line_fault.hpp"
-#include "host/program/machine_results.hpp"
+#include "host/program/loaded_tool.hpp"
 #include "host/program/program_words.hpp"
 #include "host/program/saved_modes.hpp"
+#include "host/program/subprogram_call.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::program_run {
@@ -44,8 +46,7 @@ class FlowRun {
       : main_(flow_unit_of(std::move(lines), file)),
         unit_(&main_),
         values_(values, state ? &*state : nullptr),
-        process_(process),
-        max_speed_s_(in_units(values, settings::Id::max_spindle_speed)) {}
+        process_{process, in_units(values, settings::Id::max_spindle_speed)} {}
 
   std::vector<link::ProgramLine> run() {
     while (!values_.has_ended()) {
@@ -56,9 +57,10 @@ class FlowRun {
       }
       at_ = next_++;
       if (++steps_ > max_flow_steps)
-        refuse(
-            fmt::format("the program does not end: {} statements without a line", max_flow_steps),
-            "check the conditions of its loops");
+        refuse(fmt::format("the program has executed {} statements in a row without a line for the "
+                           "machine, the limit of the host",
+                           max_flow_steps),
+               "check that its loops end, or divide the program");
       const auto& logs = statement().line.logs;
       logs_.insert(logs_.end(), logs.begin(), logs.end());
       if (statement().word) {
@@ -68,24 +70,23 @@ class FlowRun {
         plain(statement().line.text);
       }
     }
-    if (!lines_.empty()) lines_.back().messages += messages_;
-    return std::move(lines_);
+    // Those after M2 are never executed.
+    if (!messages_.empty() && !values_.has_ended())
+      lines_.push_back({line_number(), {}, std::exchange(messages_, {})});
+    return link::separate_messages(std::move(lines_));
   }
 
  private:
   const FlowStatement& statement() const { return unit_->statements[at_]; }
 
-  std::string place() const { return fmt::format("{}:{}", unit_->file, statement().line.number); }
-
+  FlowPlace here() const { return {*unit_, at_, line_number()}; }
   [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
-    throw Error(Exit::bad_input, place(), what, remedy);
+    here().refuse(what, remedy);
   }
-  /// `text`: in which the fault has its column.
-  void refuse_fault(std::string_view text, const program::Fault& fault) const {
-    if (!fault) return;
-    const LineFault seen = describe_fault(text, fault, max_axes, &values_.interpreter());
-    refuse(fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
-           seen.remedy.empty() ? "correct the value" : seen.remedy);
+  /// As FlowPlace::refuse_fault().
+  void refuse_fault(std::string_view text, const program::Fault& fault,
+                    std::optional<std::size_t> index = {}) const {
+    here().refuse_fault(text, fault, values_.interpreter(), index);
   }
 
   /// The line of the program that was read, not of a file that it calls.
@@ -93,25 +94,21 @@ class FlowRun {
     return calls_.empty() || unit_ == &main_ ? statement().line.number : called_at_;
   }
 
+  void take_messages() {
+    messages_ += values_.messages(here().messages_with(process_, values_.inches()));
+  }
+
+  /// For a text that reads what only the running machine knows.
   void refuse_unknown(std::string_view text) {
-    if (const std::string_view result = result_in(text); !result.empty())
-      refuse(fmt::format("{} is not known before the machine runs the program", result),
-             "use it in programs without O-words only");
+    here().refuse_results(text);
     if (const std::string use = values_.unknown_tool(text); !use.empty())
       refuse(fmt::format("{} needs the tool in the spindle, which the board does not report", use),
              std::string(unknown_tool_remedy));
   }
 
-  /// A line with the values of the material.
-  std::string with_process(const std::string& text) const {
-    return insert_process_values(text, process_, is_in_inches(text, values_.inches()), max_speed_s_,
-                                 {unit_->file, statement().line.number, false});
-  }
-  void take_messages() { messages_ += values_.messages(with_process(statement().line.messages)); }
-
   void plain(const std::string& source) {
     if (source.starts_with('$')) return emit(source);
-    const std::string text = with_process(source);
+    const std::string text = here().line_with(process_, values_.inches());
     refuse_unknown(text);
     const int code = subprogram_code(text);
     if (code == 98) return call_program(text);
@@ -128,7 +125,7 @@ class FlowRun {
     }
     std::string with_numbers;
     refuse_fault(text, values_.run(text, with_numbers));
-    take_messages();
+    if (!is_restoring_) take_messages();
     if (!with_numbers.empty()) emit(with_numbers);
   }
 
@@ -139,7 +136,9 @@ class FlowRun {
     if (const std::string lost = lost_modes(saved, values_.modal()); !lost.empty())
       refuse(fmt::format("M73 does not restore {} at the end of a sub", lost),
              "restore it before the end");
+    is_restoring_ = true;
     for (const std::string& line : lines_to_restore(saved, values_.modal())) run_block(line);
+    is_restoring_ = false;
   }
 
   void emit(const std::string& text) {
@@ -148,26 +147,31 @@ class FlowRun {
              "check the conditions of its loops");
     lines_.push_back(
         {line_number(), text, std::exchange(messages_, {}), {}, std::exchange(logs_, {})});
-    if (unit_ != &main_) lines_.back().origin = place();
+    if (unit_ != &main_) lines_.back().origin = text_of(here().place());
+    const link::ProgramLine& read = statement().line;
+    const bool is_as_read = unit_ == &main_ && text == read.text && read.source.empty();
+    if (!is_restoring_ && !is_as_read)
+      lines_.back().source = read.source.empty() ? read.text : read.source;
     steps_ = 0;
   }
 
   // --- values ---------------------------------------------------------------------------------
 
-  std::vector<std::int64_t> arguments(const std::string& source) {
-    const std::string text = with_process(source);
+  std::vector<std::int64_t> arguments(const FlowWord& word) {
+    const std::string text =
+        here().value_with(process_, values_.inches(), word.arguments, word.arguments_at);
     refuse_unknown(text);
     std::vector<std::int64_t> values;
     for (std::uint16_t index = 0; index < text.size();) {
       std::int64_t e9 = 0;
       if (text[index] != '[') refuse("a value is not in square brackets", "write [value]");
-      refuse_fault(text, values_.value(text, index, e9));
+      refuse_fault(text, values_.value(text, index, e9), word.arguments_at);
       values.push_back(e9);
     }
     return values;
   }
   std::int64_t argument(const FlowWord& word) {
-    const auto values = arguments(word.arguments);
+    const auto values = arguments(word);
     if (values.size() != 1)
       refuse(fmt::format("{} has {} values", name_of(word.flow), values.size()),
              "write one value in square brackets after it");
@@ -295,17 +299,19 @@ class FlowRun {
     if (word.label.front() != '#' && word.label.front() != '[') return word.label;
     std::int64_t e9 = 0;
     std::uint16_t index = 0;
-    refuse_fault(word.label, values_.value(word.label, index, e9));
+    refuse_fault(word.label, values_.value(word.label, index, e9), word.label_at);
     return fmt::format("{}", rounded(e9));
   }
 
   void call(const FlowWord& word) {
     const std::string label = label_of(word);
-    std::vector<std::int64_t> values = arguments(word.arguments);
+    std::vector<std::int64_t> values = arguments(word);
     if (values.size() > max_arguments)
       refuse(fmt::format("the call has {} values", values.size()),
              fmt::format("give at most {}", max_arguments));
-    const FlowUnit* unit = files_.with_sub(label, *unit_, place());
+    const FlowPlace place = here();
+    const FlowUnit* unit =
+        place.with_line([&] { return files_.with_sub(label, *unit_, place.place()); });
     push({});
     calls_.back().locals = values_.enter(values);
     values_.set("_value", 0);
@@ -317,7 +323,7 @@ class FlowRun {
   void leave(const FlowWord& word) {
     if (calls_.empty() || !calls_.back().locals)
       refuse("the sub was not called", "write subs before or after the lines that are executed");
-    const auto values = arguments(word.arguments);
+    const auto values = arguments(word);
     if (values.size() > 1) refuse("more than one value is returned", "return one value");
     restore_modes();
     pop();
@@ -329,40 +335,13 @@ class FlowRun {
   // --- M98, M99 -------------------------------------------------------------------------------
 
   void call_program(const std::string& text) {
-    std::string with_numbers, seen;
+    std::string with_numbers;
     refuse_fault(text, values_.run(text, with_numbers));
     take_messages();
-    std::optional<double> program, count = 1;
-    for (const ProgramWord& word : words_of(with_numbers)) {
-      if (word.letter == 'P')
-        program = word.number();
-      else if (word.letter == 'L')
-        count = word.number();
-      else if (word.letter != 'N' && !word.is('M', 98))
-        refuse(fmt::format("M98 has another word, {}", trimmed(word.text)),
-               "write M98 P and L in their own line");
-      if (seen.find(word.letter) != std::string::npos)
-        refuse(fmt::format("the line has two words {}", word.letter),
-               "write one M98, P and L in a line");
-      seen += word.letter;
-    }
-    if (!program || !count) refuse("M98 has no number P", "write M98 P and the program's number");
-    const auto found = unit_->programs.find(fmt::format("{:.0f}", *program));
-    if (found == unit_->programs.end())
-      refuse(fmt::format("there is no program O{:.0f}", *program),
-             "write it after M30: a line with O and its number, then its lines and M99");
-    const auto runs = static_cast<std::int64_t>(*count);
-    if (runs <= 0) return;
-    const std::size_t first = first_statement(found->second);
-    push({.program = first, .left = runs - 1});
-    next_ = first;
-  }
-
-  /// The line of the number, O1000 G90, if it has words of its own; otherwise the one after it.
-  std::size_t first_statement(std::size_t of_number) const {
-    for (const ProgramWord& word : words_of(unit_->statements[of_number].line.text))
-      if (word.letter != 'O' && word.letter != 'N') return of_number;
-    return of_number + 1;
+    const SubprogramCall call = subprogram_call_of(with_numbers, *unit_, here());
+    if (call.runs <= 0) return;
+    push({.program = call.first, .left = call.runs - 1});
+    next_ = call.first;
   }
 
   /// The other words of its line act before it.
@@ -393,9 +372,9 @@ class FlowRun {
   FlowFiles files_{main_};
   const FlowUnit* unit_;
   FlowValues values_;
-  const ProcessValues* process_;  ///< of the material; null: none is chosen
-  double max_speed_s_;            ///< S word of full power
+  FlowProcess process_;
   std::size_t at_ = 0, next_ = 0, steps_ = 0, called_at_ = 0;
+  bool is_restoring_ = false;  ///< the lines of the host for M73, not of the file
   std::vector<Repeat> repeats_;
   std::vector<FlowCall> calls_;
   std::vector<std::string> logs_;  ///< ProgramLine::logs of the next line

@@ -30,8 +30,8 @@ inline constexpr std::size_t max_calls = 10, max_arguments = 30;
 /// line do not end either.
 inline constexpr std::size_t max_flow_lines = 1'000'000, max_flow_steps = 1'000'000;
 
-/// `process`: of the chosen material, null without one. Throws Error(bad_input) about FILE:LINE for
-/// every error in an O-word or a value.
+/// `process`: of the chosen material, null without one. Throws ProgramError for every error in an
+/// O-word or a value.
 std::vector<link::ProgramLine> run_flow(std::vector<link::ProgramLine> lines,
                                         const std::string& file, const settings::Values& values,
                                         const std::optional<BoardState>& state = {},

@@ -18,6 +18,7 @@
 #include "shared/wire/framing.hpp"
 #include "shared/wire/run_pace.hpp"
 #include "shared/wire/runs.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -43,6 +44,7 @@ class Machine {
   explicit Machine(const settings::Values& values)
       : values_(values), space_(work_space(values)), lines_(values) {
     run_.axes = values.whole(Id::axes);
+    run_.rotary = is_rotary(values, rotary_axis);
   }
 
   ProgramRun& result() { return run_; }
@@ -84,8 +86,18 @@ class Machine {
     return true;
   }
 
+  /// After each line without an error.
+  void note_modes(const program::Modal& modal, std::size_t line) {
+    if (modal.spindle != program::Spindle::off && modal.speed_milli != 0) note_light(line);
+    if (modal.system != 0 && run_.system_line == 0) run_.system_line = line;
+  }
+
   /// Executes an action of the interpreter.
   void take(const Action& action, std::size_t line) {
+    const bool has_light = action.spindle != program::Spindle::off && action.speed_milli != 0;
+    if (has_light || action.beat_lock != program::BeatLock::off ||
+        action.kind == ActionKind::output)
+      note_light(line);
     switch (action.kind) {
       case ActionKind::move:
       case ActionKind::probe:
@@ -138,6 +150,10 @@ class Machine {
   }
 
  private:
+  void note_light(std::size_t line) {
+    if (run_.light_line == 0) run_.light_line = line;
+  }
+
   void move(const Action& action, std::size_t line) {
     motion::LineTarget target;
     machine::find_target(action, values_, target);
@@ -170,6 +186,7 @@ class Machine {
   }
 
   void problem_outside(const program::Place& place_e7, std::size_t line, int axis) {
+    // A rotary axis has no limit within the numbers of a program.
     const double low = values_.milli(Id::min_corner_x, axis) / 1e3;
     run_.problems.push_back(
         {line, 0, 0,
@@ -217,17 +234,23 @@ class Machine {
     piece.move = dwelt_us_.size();
     piece.from = at_;
     piece.rapid = action.rapid;
+    if (action.spindle != program::Spindle::off) piece.s = action.speed_milli / 1e3;
     if (action.spindle != program::Spindle::off && !action.rapid)
       piece.power =
           machine::power_of(action.speed_milli, values_) / static_cast<double>(motion::full_power);
     double squares = 0;
     for (std::size_t a = 0; a < at_.size(); ++a) {
       at_[a] = static_cast<double>(action.target_e7[a]) / e7;
-      squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
+      if (!is_rotary(values_, static_cast<int>(a)))
+        squares += (at_[a] - piece.from[a]) * (at_[a] - piece.from[a]);
       run_.bounds.low[a] = std::min(run_.bounds.low[a], at_[a]);
       run_.bounds.high[a] = std::max(run_.bounds.high[a], at_[a]);
     }
     piece.to = at_;
+    constexpr double us_per_min = 60e6;
+    if (!action.rapid)
+      piece.feed_mm_min = action.timed ? std::sqrt(squares) * us_per_min / action.time_us
+                                       : action.feed_um_min / 1e3;
     ++run_.moves;
     if (action.beat_lock != program::BeatLock::off) ++run_.locked;
     (piece.rapid ? run_.rapid_mm : run_.feed_mm) += std::sqrt(squares);
@@ -269,16 +292,6 @@ program::Fault run_beside(program::Interpreter& interpreter, std::string_view li
 void note_ignored(ProgramRun& run, unsigned words) {
   for (std::size_t i = 0; i < std::size(program::ignored_words); ++i)
     if ((words >> i & 1u) != 0) run.ignored.emplace_back(program::ignored_words[i]);
-}
-
-/// No line of the text is G-code, but some are `$` lines: no program.
-bool has_only_board_lines(std::string_view text) {
-  text = without_byte_order_mark(text);
-  while (!text.empty()) {
-    const std::string line = link::text_to_send(take_line(text));
-    if (line.find_first_not_of("% \t") != std::string::npos && !is_board_line(line)) return false;
-  }
-  return true;
 }
 
 /// Why a sender would refuse a line of a file before the interpreter reads it; empty if it would
@@ -346,6 +359,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
       if (interpreter.modal().cutter != program::Cutter::off)
         interpreter.set_position(interpreter.machine_e7());
     }
+    if (!fault) machine.note_modes(interpreter.modal(), number);
     if (interpreter.has_ignored()) note_ignored(run, interpreter.take_ignored());
     const bool outside =
         !fault && interpreter.has_extent() && !machine.inside(interpreter.extent(), number);

@@ -38,10 +38,12 @@ struct Problem {
   std::string remedy{};  ///< empty: none but to correct the line
 };
 
-/// A straight piece of the path, mm in machine coordinates.
+/// A straight piece of the path, mm in machine coordinates; degrees of a rotary axis.
 struct Piece {
   PerAxis<double> from{}, to{};
-  double power = 0;  ///< of the laser or spindle: 0..1 of the maximum S
+  double power = 0;        ///< of the laser or spindle: 0..1 of the maximum S
+  double s = 0;            ///< S word while the laser or spindle is on, also of a rapid
+  double feed_mm_min = 0;  ///< along the path, in G93 that of its time; 0: a rapid
   bool rapid = false;
   std::size_t line = 0;  ///< of the program, from 1
   std::size_t move = 0;  ///< number of its move, from 0: several pieces of a row are one move
@@ -53,19 +55,24 @@ struct Bounds {
 };
 
 struct ProgramRun {
-  std::size_t lines = 0;  ///< that are not blank
-  std::size_t moves = 0;  ///< straight pieces of curves counted each
-  double feed_mm = 0, rapid_mm = 0;
-  std::uint64_t ticks = 0;     ///< in motion
-  std::uint64_t dwell_us = 0;  ///< dwells by G4 and cycles
-  std::size_t pauses = 0;      ///< M0 and M1
-  std::size_t locked = 0;      ///< moves that are locked to the beat (M130)
-  std::size_t outside = 0;     ///< moves out of the work space that are not reported as problems
-  LockedRun beats;             ///< of the whole program, if it has locked moves
-  bool ended = false;          ///< it contains M2 or M30
-  bool is_blank = true;        ///< no line is left without comments
+  std::size_t lines = 0;             ///< that are not blank
+  std::size_t moves = 0;             ///< straight pieces of curves counted each
+  double feed_mm = 0, rapid_mm = 0;  ///< along the axes that are lengths
+  std::uint64_t ticks = 0;           ///< in motion
+  std::uint64_t dwell_us = 0;        ///< dwells by G4 and cycles
+  std::size_t pauses = 0;            ///< M0 and M1
+  std::size_t locked = 0;            ///< moves that are locked to the beat (M130)
+  std::size_t outside = 0;  ///< moves out of the work space that are not reported as problems
+  LockedRun beats;          ///< of the whole program, if it has locked moves
+  bool ended = false;       ///< it contains M2 or M30
+  bool is_blank = true;     ///< no line is left without comments
+  /// First line that may give light, in motion or at rest: M3 or M4 with an S above 0, points on
+  /// the beat, outputs. 0: none.
+  std::size_t light_line = 0;
+  std::size_t system_line = 0;  ///< first line with another coordinate system than G54; 0: none
   int axes = 3;
-  Bounds bounds;  ///< of all moves, with the start
+  bool rotary = false;  ///< places of A are degrees ($967)
+  Bounds bounds;        ///< of all moves, with the start
   std::vector<Problem> problems;
   std::vector<std::string> ignored;  ///< words without effect, each once
   std::vector<Piece> pieces;

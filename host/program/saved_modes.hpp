@@ -1,5 +1,5 @@
-// Lines that restore the modes of a subroutine's caller, as M73 asks for at the end of the
-// subroutine (LinuxCNC, "M Codes", M73).
+// Lines that restore, at the end of a subroutine, the modes that were in force at its M73
+// (LinuxCNC, "M Codes", M73).
 //
 // In:  the modal state of then and of now. Out: lines of words that bring the first one back.
 // Who: program_flow.cpp. The board itself keeps one saved state (M70), calls may be nested.

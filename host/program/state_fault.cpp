@@ -75,6 +75,23 @@ class LineInState {
         levels_remedy};
   }
 
+  /// What cutter compensation excludes, if it is not yet on, or if G93 is in the line.
+  std::optional<LineFault> compensation() const {
+    const bool is_on = state_.modal.cutter != program::Cutter::off;
+    if (is_on && !has('G', 93)) return std::nullopt;
+    if (is_inverse_time())
+      return LineFault{
+          "cutter compensation (G41, G42) is not possible with G93: its moves have no "
+          "time of their own",
+          is_on ? "write G40 before it" : "write G94 with a feed before it"};
+    if (has('M', 130) || state_.modal.beat_lock != program::BeatLock::off)
+      return LineFault{"cutter compensation (G41, G42) is not possible with points on the beat",
+                       "write M131 before it"};
+    return LineFault{
+        fmt::format("{} is not possible in a line that begins cutter compensation", quoted()),
+        "write G41 or G42 in the line of a G0 or G1 without it"};
+  }
+
  private:
   std::string quoted() const { return fmt::format("'{}'", printable(word_)); }
 
@@ -154,6 +171,7 @@ std::optional<LineFault> describe_state_fault(std::string_view line, std::string
                                               const program::Interpreter& interpreter) {
   const LineInState seen(line, word, interpreter);
   if (error == GcodeError::unsupported) return seen.unsupported();
+  if (error == GcodeError::compensation_on) return seen.compensation();
   return error == GcodeError::bad_target ? seen.bad_target() : std::nullopt;
 }
 

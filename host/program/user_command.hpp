@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "host/link/program_lines.hpp"
+
 namespace lamplock::program_run {
 
 struct UserCommand {
@@ -22,9 +24,10 @@ struct UserCommand {
 /// Whether a line has a user command.
 bool is_user_command(std::string_view line);
 
-/// The command of a line; empty if it has none. Throws Error(bad_input) at `where` for other words
-/// in its line and for values that are no numbers.
-std::optional<UserCommand> user_command_of(std::string_view line, const std::string& where);
+/// The command of a line; empty if it has none. Throws ProgramError for other words in its line,
+/// for words that occur twice and for values that are no numbers of a program. `file`: of the
+/// program, for errors.
+std::optional<UserCommand> user_command_of(const link::ProgramLine& line, const std::string& file);
 
 /// A program in which a pause, at which the machine is at rest as well, takes the place of each
 /// user command.

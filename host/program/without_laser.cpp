@@ -49,8 +49,9 @@ std::vector<link::ProgramLine> without_laser(const std::vector<link::ProgramLine
     if (line.text.starts_with('$')) refuse(file, line.number, line.text);
     std::string text = dark_line(line, file);
     logs.insert(logs.end(), line.logs.begin(), line.logs.end());
-    if (!text.empty())
-      dark.push_back({line.number, std::move(text), {}, {}, std::exchange(logs, {})});
+    if (!text.empty() || !line.messages.empty())
+      dark.push_back(
+          {line.number, std::move(text), line.messages, line.origin, std::exchange(logs, {})});
   }
   return dark;
 }

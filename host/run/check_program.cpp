@@ -16,6 +16,7 @@
 #include "host/program/program_flow.hpp"
 #include "host/program/tool_file.hpp"
 #include "host/run/process_choice.hpp"
+#include "host/run/program_refusal.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/run/user_commands.hpp"
 
@@ -24,21 +25,36 @@ namespace {
 
 using Lines = std::vector<link::ProgramLine>;
 
-/// The lines that `send` would send; problems are those of the lines of the file.
-program_run::ProgramRun run_with_flow(const Lines& lines, const CheckOptions& options,
-                                      const settings::Values& values,
+/// The lines that `send` would send of this text; problems are those of the lines of the file.
+program_run::ProgramRun run_with_flow(const Lines& lines, const std::string& text,
+                                      const CheckOptions& options, const settings::Values& values,
                                       const program::ToolTable& tools) {
   std::string sent;
   for (const link::ProgramLine& line : lines) sent += line.text + "\n";
   if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
     sent = program_run::without_user_commands(sent);
   auto run = program_run::run_program(sent, values, options.max_problems, tools);
-  for (program_run::Problem& problem : run.problems) {
-    const link::ProgramLine& line = lines[problem.line - 1];
-    if (!line.origin.empty()) problem.text = fmt::format("in {}: {}", line.origin, problem.text);
-    problem.line = line.number;
-    problem.column = 0;  // of a line whose values are numbers
-  }
+  const ProgramText program{options.input, text, lines};
+  for (program_run::Problem& problem : run.problems) problem = in_file(program, std::move(problem));
+  return run;
+}
+
+/// The lines of a file without O-words; problems of user commands get the name of the command.
+program_run::ProgramRun run_without_flow(const Lines& lines, std::string text,
+                                         const CheckOptions& options,
+                                         const settings::Values& values,
+                                         const program::ToolTable& tools) {
+  const auto commands = user_commands_of(lines, options.input, options.user_commands, false);
+  const ProgramText program{options.input, text, lines};
+  if (!commands.empty()) text = program_run::without_user_commands(text);
+  auto run = program_run::run_program(text, values, options.max_problems, tools);
+  for (program_run::Problem& problem : run.problems)
+    for (const auto& [index, command] : commands)
+      if (lines[index].number == problem.line) {
+        problem.line = index + 1;
+        problem = in_file(program, std::move(problem));
+        break;
+      }
   return run;
 }
 
@@ -70,23 +86,22 @@ CheckedProgram check_program(const CheckOptions& options) {
   const program_run::ProcessValues* process = options.process ? &*options.process : nullptr;
   program_run::check_process_values(text, options.input, process);
   CheckedProgram checked;
-  if (program_run::has_flow(text)) {
+  const bool has_flow = program_run::has_flow(text);
+  if (has_flow) {
     const Lines lines = program_run::run_flow(link::program_lines(text, options.input),
                                               options.input, values, state, process);
-    checked = {run_with_flow(lines, options, values, state.parameters.tools)};
+    checked = {run_with_flow(lines, text, options, values, state.parameters.tools)};
+    checked.is_blank = lines.empty();
     add_notes(checked, text, lines, options);
   } else {
     const std::string source = text;
     if (program_run::has_process_values(text))
       text = program_run::with_process_values(text, options.input, process, values, state);
     const Lines lines = link::program_lines(text, options.input);
-    if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
-      text = program_run::without_user_commands(text);
-    checked = {
-        program_run::run_program(text, values, options.max_problems, state.parameters.tools)};
+    checked = {run_without_flow(lines, text, options, values, state.parameters.tools)};
     add_notes(checked, source, lines, options);
   }
-  if (checked.is_blank) throw no_line_to_send(options.input);
+  if (checked.is_blank) throw no_line_to_send(options.input, has_flow);
   if (!options.picture.empty())
     write_whole(options.picture, [&](const std::filesystem::path& path) {
       write_file(path, program_run::path_svg(

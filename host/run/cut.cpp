@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "host/cutting/dark_program.hpp"
 #include "host/cutting/dry_post.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/cutting/post_needs.hpp"
@@ -304,15 +305,19 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   result.first_lines = program.first_lines = lines.first;
   if (post.is_checked) {
     frame.has_radii = program.is_lathe;
-    const std::string text =
-        frame.has_radii ? cutting::cut_program(plan, operations, post, frame) : result.program;
-    program.run = checked_run(
-        {text, lines, plan, operations, post, result.box, setup.tooling.knife_offset_mm},
-        profile.settings, description.machine.post);
+    const std::string text = frame.has_radii
+                                 ? cutting::cut_program(plan, operations, post, frame, &lines)
+                                 : result.program;
+    program.run =
+        checked_run({text, lines, plan, operations, post, frame, result.box, is_dark(request)},
+                    profile.settings, description.machine.post);
     result.seconds = program.run->seconds();
+  } else if (is_dark(request) && post.machine == MachineType::laser) {
+    cutting::require_dark_words(result.program, description.machine.post);
   }
   const CutMade made{plan, drawing.shapes, operations, frame.title, frame.names, program, result};
   write_cut_files(request, made, frontend);
+  if (request.has_report) result.report = report_of(made);
   if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));
   return result;
 }

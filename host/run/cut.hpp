@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/cutting/plan_page.hpp"
 #include "host/geometry/bounds.hpp"
 #include "host/run/cut_description.hpp"
 
@@ -28,6 +29,7 @@ struct CutRequest {
   bool is_dry = false;  ///< the whole program without light and air
   bool is_frame = false;      ///< runs around what is cut instead, without light
   bool is_for_board = false;  ///< refuses a program that is not for a board of lamplock
+  bool has_report = false;    ///< of its run
 };
 
 /// A contour of the drawing, in the place where it is cut.
@@ -40,6 +42,12 @@ struct CutShape {
   std::string operation{}, operation_kind{};  ///< empty: left out
 };
 
+/// The page of a plan, to which the run of its program is added.
+struct CutReport {
+  cutting::PlanPage page{};
+  std::vector<cutting::Operation> operations{};
+};
+
 struct CutResult {
   std::vector<CutShape> shapes{};
   std::vector<std::string> warnings{};
@@ -50,6 +58,7 @@ struct CutResult {
   std::string program{};
   std::vector<std::size_t> cut_numbers{};  ///< of the program, from 1 in the order of the plan
   std::vector<std::size_t> first_lines{};  ///< of each of these cuts, from 1
+  CutReport report{};                      ///< empty if it was not requested
 };
 
 /// The shapes of the drawing, with the operation of each. Throws Error(bad_input).

@@ -43,13 +43,7 @@ std::string first_few(const std::vector<std::string>& names) {
 /// The curves and the texts of a drawing.
 model::LetteredDrawing read_drawing(const DrawingChoice& drawing) {
   const std::string& file = drawing.file;
-  refuse_finished(file);
-  if (!model::may_hold_only(file, model::InputKind::curves)) {
-    const FileWay way = way_of_file(file);
-    throw Error(Exit::bad_input, file,
-                way ? way.what + ", not a drawing to cut" : std::string("is no drawing to cut"),
-                "give a drawing: " + model::extensions(model::InputKind::curves));
-  }
+  require_drawing_name(file);
   const std::string ending = lower_extension(file);
   if (drawing.text != "none" && (ending == ".dxf" || ending == ".svg")) {
     model::LetteredDrawing read =
@@ -268,7 +262,8 @@ std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double to
                                    fault_name(kind), fault->at.x, fault->at.y);
     if (kind == FaultKind::gap && fault->size_mm > 0) {
       text += fmt::format(", {} mm from the next open end", number_text(fault->size_mm));
-      if (fault->size_mm <= max_tolerances * tolerance_mm)
+      // Nearer ends are those of other operations, or more than two.
+      if (fault->size_mm > tolerance_mm && fault->size_mm <= max_tolerances * tolerance_mm)
         text += ": a greater tolerance joins them";
     } else if (fault->size_mm > 0)
       text += fmt::format(", {} mm", number_text(fault->size_mm));
@@ -306,6 +301,15 @@ void warn_of_rest(model::Curves& curves, std::vector<std::string>& warnings) {
   if (tilted > 0)
     warnings.push_back(fmt::format("{} {} not parallel to the XY plane: cut as seen from above",
                                    tilted, tilted == 1 ? "curve is" : "curves are"));
+}
+
+void require_drawing_name(const std::string& file) {
+  refuse_finished(file);
+  if (model::may_hold_only(file, model::InputKind::curves)) return;
+  const FileWay way = way_of_file(file);
+  throw Error(Exit::bad_input, file,
+              way ? way.what + ", not a drawing to cut" : std::string("is no drawing to cut"),
+              "give a drawing: " + model::extensions(model::InputKind::curves));
 }
 
 CutDrawing read_cut_drawing(const CutDescription& description) {

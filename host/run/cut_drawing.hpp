@@ -21,6 +21,9 @@ struct CutDrawing {
   std::string font;       ///< file of their font, or name of their letters
 };
 
+/// Throws Error(bad_input) for a file that is no drawing by its name.
+void require_drawing_name(const std::string& file);
+
 /// Throws Error(bad_input): a file that is no drawing or cannot be read, a drawing without a unit,
 /// a layer or colour that is not in it, nothing for an operation to do, text without a font.
 CutDrawing read_cut_drawing(const CutDescription& description);

@@ -35,11 +35,11 @@ class CutFiles {
   std::vector<std::unique_ptr<StagedFile>> files_;
 };
 
-std::string page_of(const CutMade& made, const std::string& picture) {
+cutting::PlanPage page_of(const CutMade& made, const std::string& picture) {
   cutting::PlanPage page{made.title, picture};
   for (const cutting::PlannedCut& cut : made.plan.cuts)
     page.cuts.push_back({cut.number, made.names[cut.shape], made.operations[cut.operation].name});
-  return cut_page(std::move(page), made.operations, made.program, made.result);
+  return cut_page(std::move(page), made.program, made.result);
 }
 
 /// A description is a job, which is run from its first cut, with light. A rerun of one that was
@@ -77,13 +77,19 @@ void check_cut_outputs(const CutRequest& request) {
     if (!file.empty()) check_target(file);
 }
 
+CutReport report_of(const CutMade& made) {
+  return {page_of(made, cutting::plan_svg(made.plan, made.shapes, made.operations, made.title)),
+          made.operations};
+}
+
 void write_cut_files(const CutRequest& request, const CutMade& made, Frontend& frontend) {
   CutFiles files;
   if (!request.picture.empty() || !request.page.empty()) {
     const std::string picture =
         cutting::plan_svg(made.plan, made.shapes, made.operations, made.title);
     files.add(request.picture, picture);
-    if (!request.page.empty()) files.add(request.page, page_of(made, picture));
+    if (!request.page.empty())
+      files.add(request.page, cutting::plan_page(page_of(made, picture), made.operations));
   }
   if (!request.save.empty())
     files.add(request.save,

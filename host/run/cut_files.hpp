@@ -28,6 +28,9 @@ struct CutMade {
   const CutResult& result;
 };
 
+/// The page for a report of a run.
+CutReport report_of(const CutMade& made);
+
 /// Throws Error(bad_input) if a file cannot be written.
 void write_cut_files(const CutRequest& request, const CutMade& made, Frontend& frontend);
 

@@ -68,8 +68,7 @@ void add_times(const program_run::ProgramRun& run, const std::vector<std::size_t
 
 }  // namespace
 
-std::string cut_page(PlanPage page, const std::vector<cutting::Operation>& operations,
-                     const CutProgram& program, const CutResult& result) {
+PlanPage cut_page(PlanPage page, const CutProgram& program, const CutResult& result) {
   if (program.run) {
     add_path(*program.run, program.is_lathe, page);
     if (!page.path.empty()) add_times(*program.run, program.first_lines, page);
@@ -82,7 +81,7 @@ std::string cut_page(PlanPage page, const std::vector<cutting::Operation>& opera
   page.numbers.emplace_back("Size", fmt::format("{} x {} mm", number_text(box.high.x - box.low.x),
                                                 number_text(box.high.y - box.low.y)));
   page.warnings = result.warnings;
-  return cutting::plan_page(page, operations);
+  return page;
 }
 
 }  // namespace lamplock::run

@@ -22,7 +22,7 @@ struct CutProgram {
 };
 
 /// What the page shows of the plan: its title, picture and names of cuts are filled already.
-std::string cut_page(cutting::PlanPage page, const std::vector<cutting::Operation>& operations,
-                     const CutProgram& program, const CutResult& result);
+cutting::PlanPage cut_page(cutting::PlanPage page, const CutProgram& program,
+                           const CutResult& result);
 
 }  // namespace lamplock::run

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "host/cutting/dark_program.hpp"
 #include "host/error.hpp"
+#include "host/run/written_path_check.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::run {
@@ -124,7 +126,7 @@ void require_ranges(const PlannedProgram& program, const CutPath& path, double s
     const bool is_inside = run.low >= plan.low - slack_mm && run.high <= plan.high + slack_mm;
     // The box has rapids, too: of a lathe in X, of the others in Z.
     const bool has_rapids = axis == (machine == MachineType::lathe ? axis_x : axis_z);
-    const double margin_mm = slack_mm + 2 * program.knife_offset_mm;
+    const double margin_mm = slack_mm + 2 * program.frame.tooling.knife_offset_mm;
     const bool is_filled =
         has_rapids || (run.low <= plan.low + margin_mm && run.high >= plan.high - margin_mm);
     if (!is_inside || !is_filled)
@@ -152,6 +154,99 @@ void require_length(const PlannedProgram& program, const CutPath& path, const st
                           path.length_mm, planned.cuts_mm));
 }
 
+/// Where the lit moves of a contour are that the controller compensates.
+struct LitPath {
+  cutting::Box box;
+  double length_mm = 0;
+};
+
+LitPath lit_path_of(const std::vector<Piece>& pieces, std::size_t& next, std::size_t end_line) {
+  LitPath path;
+  for (; next < pieces.size() && pieces[next].line < end_line; ++next) {
+    const Piece& piece = pieces[next];
+    if (piece.s == 0 || piece.rapid) continue;
+    const cutting::Vec from{piece.from[axis_x], piece.from[axis_y]},
+        to{piece.to[axis_x], piece.to[axis_y]};
+    path.box.add(from);
+    path.box.add(to);
+    path.length_mm += distance(from, to);
+  }
+  return path;
+}
+
+/// The lit moves of each contour run around its compensated path.
+void require_compensated(const PlannedProgram& program, const ProgramRun& run, double way_mm,
+                         const std::string& where) {
+  std::size_t next = 0;
+  lit_path_of(run.pieces, next, program.lines.first.front());
+  for (std::size_t i = 0; i < program.plan.cuts.size(); ++i) {
+    const cutting::PlannedCut& cut = program.plan.cuts[i];
+    const bool is_last = i + 1 == program.plan.cuts.size();
+    const LitPath lit =
+        lit_path_of(run.pieces, next, is_last ? program.lines.end : program.lines.first[i + 1]);
+    const cutting::Operation& operation = program.operations[cut.operation];
+    if (!cut.controller || lit.length_mm == 0) continue;
+    LitPath planned;
+    std::size_t moves = 0;
+    for (const cutting::Stroke& stroke : cut.strokes) {
+      for (const cutting::CutMove& move : stroke) {
+        planned.box.add(cutting::box_of(move.edge));
+        planned.length_mm += length_of(move.edge);
+        ++moves;
+      }
+    }
+    const auto passes =
+        static_cast<double>(operation.z_mm.empty() ? static_cast<std::size_t>(operation.passes)
+                                                   : operation.z_mm.size());
+    // Chords are shorter than their arcs, and the controller rounds each corner.
+    constexpr double max_part = 0.001;
+    const double apart_mm = std::abs(lit.length_mm / passes - planned.length_mm);
+    const bool is_near =
+        apart_mm <= way_mm * static_cast<double>(moves + 1) + max_part * planned.length_mm;
+    const cutting::Box &a = lit.box, &b = planned.box;
+    const double box_mm = std::max({std::abs(a.low.x - b.low.x), std::abs(a.low.y - b.low.y),
+                                    std::abs(a.high.x - b.high.x), std::abs(a.high.y - b.high.y)});
+    if (is_near && box_mm <= way_mm) continue;
+    refuse_path(where, fmt::format("cut {} with compensation has {:.3f} mm of light, X {:.3f} to "
+                                   "{:.3f} mm, the plan {:.3f} mm, X {:.3f} to {:.3f} mm",
+                                   cut.number, lit.length_mm / passes, a.low.x, a.high.x,
+                                   planned.length_mm, b.low.x, b.high.x));
+  }
+}
+
+void require_written(const PlannedProgram& program, const ProgramRun& run,
+                     const settings::Values& values, const std::string& where) {
+  const double arc_tolerance_mm = in_units(values, settings::Id::arc_tolerance);
+  const auto require = [&](const ProgramRun& done, std::string_view text,
+                           const cutting::ProgramLines& lines) {
+    require_written_path(done,
+                         {text, lines.moves, program.post, program.frame.tooling.surface_mm,
+                          arc_tolerance_mm, values.whole(settings::Id::laser_mode) != 0},
+                         where);
+  };
+  if (!has_controller(program)) return require(run, program.text, program.lines);
+  require_compensated(program, run, way_tolerance_mm(program.post, arc_tolerance_mm), where);
+  cutting::ProgramFrame frame = program.frame;
+  frame.is_uncompensated = true;
+  cutting::ProgramLines lines;
+  const std::string text =
+      cutting::cut_program(program.plan, program.operations, program.post, frame, &lines);
+  require(program_run::run_program(text, values, 1), text, lines);
+}
+
+void require_dark_run(const PlannedProgram& program, const ProgramRun& run,
+                      const std::string& where) {
+  if (!program.is_dark || program.post.machine != MachineType::laser || run.light_line == 0) return;
+  cutting::refuse_light(where, run.light_line, line_of(program.text, run.light_line));
+}
+
+void require_first_system(const PlannedProgram& program, const ProgramRun& run,
+                          const std::string& where) {
+  if (run.system_line == 0) return;
+  refuse_path(where, fmt::format("line {}, '{}', changes the coordinate system", run.system_line,
+                                 line_of(program.text, run.system_line)));
+}
+
 }  // namespace
 
 ProgramRun checked_run(const PlannedProgram& program, const settings::Values& values,
@@ -164,9 +259,12 @@ ProgramRun checked_run(const PlannedProgram& program, const settings::Values& va
                             problem.text),
                 "correct the templates of the post-processor, or give the profile of the machine");
   }
+  require_dark_run(program, run, where);
+  require_first_system(program, run, where);
   const CutPath path = path_of(run, program.lines);
   require_ranges(program, path, slack_of(program, values), where);
   require_length(program, path, where);
+  require_written(program, run, values, where);
   return run;
 }
 

@@ -23,13 +23,15 @@ struct PlannedProgram {
   const cutting::CutPlan& plan;
   const std::vector<cutting::Operation>& operations;
   const cutting::Post& post;
-  geometry::Bounds box{};      ///< of the plan, mm
-  double knife_offset_mm = 0;  ///< by which the box is larger than the contours
+  const cutting::ProgramFrame& frame;
+  geometry::Bounds box{};  ///< of the plan, mm; of a knife larger than the contours by its offset
+  bool is_dark = false;    ///< a dry run or a frame
 };
 
-/// Throws Error(bad_input) with `where`, the post-processor, if the interpreter refuses a line, or
-/// if the moves of the cuts with a feed leave the box of the plan, do not fill it, or have another
-/// length. Not compared: rapids, lines before and after the cuts, Z of a laser.
+/// Throws Error(bad_input) with `where`, the post-processor, if the interpreter refuses a line, if
+/// a move is not that of the plan (written_path_check.hpp), if the program changes the coordinate
+/// system, and if a laser may have light in a dark program. With compensation by the controller the
+/// moves are compared in a program without it, and of each compensated contour box and length.
 program_run::ProgramRun checked_run(const PlannedProgram& program, const settings::Values& values,
                                     const std::string& where);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace lamplock::run {
 namespace {
@@ -38,9 +39,10 @@ std::string text_of(const Json& json) {
 
 }  // namespace
 
-ProgramEvents::ProgramEvents(const std::string& path, const std::vector<link::ProgramLine>& lines,
+ProgramEvents::ProgramEvents(EventStream& stream, std::string path,
+                             const std::vector<link::ProgramLine>& lines,
                              const settings::Values& values, const program_run::BoardState* state)
-    : path_(path), lines_(lines), stream_(path), outputs_(values, state) {}
+    : path_(std::move(path)), lines_(lines), stream_(stream), outputs_(values, state) {}
 
 void ProgramEvents::poll(const link::LineSender& sender, Progress& progress) {
   while (written_ < sender.done() && !is_lost()) add_block(sender, written_++);
@@ -56,6 +58,18 @@ void ProgramEvents::end(const link::LineSender& sender, const std::string& name,
   stream_.add(text_of(json));
   stream_.finish();
   show_loss(progress);
+}
+
+void write_refusal(EventStream& stream, std::string_view message) {
+  stream.add(text_of({{"event", "end"}, {"end", "refused"}, {"message", message}}));
+  stream.finish();
+}
+
+void replace_events(const std::string& path, const Error& error) {
+  if (path.empty()) return;
+  EventStream::check(path);
+  EventStream stream(path);
+  write_refusal(stream, error.message());
 }
 
 void ProgramEvents::add_block(const link::LineSender& sender, std::size_t index) {

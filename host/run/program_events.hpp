@@ -10,8 +10,10 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "host/error.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/program/block_outputs.hpp"
 #include "host/run/event_stream.hpp"
@@ -24,9 +26,9 @@ class ProgramEvents {
   /// Between reports of the board: how late a block is written.
   static constexpr std::chrono::milliseconds status_interval{50};
 
-  /// Opens the stream. Throws Error(bad_input). `lines`: as they are sent, kept by the caller;
-  /// `state`: of the board before the program.
-  ProgramEvents(const std::string& path, const std::vector<link::ProgramLine>& lines,
+  /// `path`: of the stream, for messages; stream and lines, as they are sent, are kept by the
+  /// caller; `state`: of the board before the program.
+  ProgramEvents(EventStream& stream, std::string path, const std::vector<link::ProgramLine>& lines,
                 const settings::Values& values, const program_run::BoardState* state);
 
   /// Writes the blocks that were executed since the last call; never throws. A loss is shown once.
@@ -41,11 +43,39 @@ class ProgramEvents {
 
   std::string path_;
   const std::vector<link::ProgramLine>& lines_;
-  EventStream stream_;
+  EventStream& stream_;
   program_run::BlockOutputs outputs_;
   std::size_t written_ = 0;  ///< blocks
   std::size_t errors_ = 0;   ///< of the sender, of blocks that were written
   bool is_shown_ = false;    ///< the loss
 };
+
+/// Writes the end of a program of which nothing was sent: its only line.
+void write_refusal(EventStream& stream, std::string_view message);
+
+/// Makes such a stream of an error before with_events(); nothing without a path.
+void replace_events(const std::string& path, const Error& error);
+
+/// The stream of a program.
+struct OpenedEvents {
+  EventStream* stream = nullptr;  ///< null: none is wanted
+  bool& is_sent;                  ///< to set when the program has ended, and its events
+};
+
+/// Opens the stream, if `path` is not empty, before anything can refuse the program, so that it
+/// never has the end of an earlier one. An error of `run` before the first line is its end.
+template <class Run>
+auto with_events(const std::string& path, const Run& run) {
+  bool is_sent = false;
+  if (path.empty()) return run(OpenedEvents{nullptr, is_sent});
+  EventStream::check(path);
+  EventStream stream(path);
+  try {
+    return run(OpenedEvents{&stream, is_sent});
+  } catch (const Error& error) {
+    if (!is_sent) write_refusal(stream, error.message());
+    throw;
+  }
+}
 
 }  // namespace lamplock::run

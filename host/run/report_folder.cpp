@@ -24,6 +24,9 @@ namespace fs = std::filesystem;
 /// More than report.json needs: settings and counters, each by name.
 constexpr std::size_t numbers_bytes = 64 << 10;
 
+/// One of report_files().
+constexpr const char* program_page = "report.html";
+
 template <class T>
 void read_optional(const nlohmann::json& json, const char* key, std::optional<T>& value) {
   if (const auto& found = json.at(key); !found.is_null()) value = found.get<T>();
@@ -181,11 +184,22 @@ void ReportFolder::remove_folders() {
   for (const fs::path& made : made_) fs::remove(made, ignored);
 }
 
-void ReportFolder::write_numbers(const report::Report& report, LostFiles& lost) {
+void ReportFolder::write_json(std::string_view text, LostFiles& lost) {
   std::error_code ignored;
   for (const fs::path& file : files_of_report(folder_)) fs::remove(file, ignored);
   fs::create_directories(folder_, ignored);  // it may be gone since
-  lost.attempt(numbers_->target().string(), [&] { numbers_->write(report::to_json(report)); });
+  lost.attempt(numbers_->target().string(), [&] { numbers_->write(text); });
+}
+
+void ReportFolder::write_numbers(const report::Report& report, LostFiles& lost) {
+  write_json(report::to_json(report), lost);
+}
+
+void ReportFolder::write_program(std::string_view numbers, std::string_view page, LostFiles& lost) {
+  write_json(numbers, lost);
+  const fs::path target = folder_ / program_page;
+  lost.attempt(target.string(),
+               [&] { write_whole(target, [&](const fs::path& path) { write_file(path, page); }); });
 }
 
 void ReportFolder::write_rest(const report::Report& report, const report::JobRun& run,

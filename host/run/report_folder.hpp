@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/file/reserved_file.hpp"
@@ -43,10 +44,13 @@ class ReportFolder {
   /// Writes report.json, once. All files of an older report in the folder go first: files of two
   /// jobs must not be mixed.
   void write_numbers(const report::Report& report, LostFiles& lost);
+  /// Writes report.json and report.html of a program that was run, instead of those of a job.
+  void write_program(std::string_view numbers, std::string_view page, LostFiles& lost);
   /// Writes the other files, each whole or not at all; pictures last.
   void write_rest(const report::Report& report, const report::JobRun& run, LostFiles& lost) const;
 
  private:
+  void write_json(std::string_view text, LostFiles& lost);
   void make_folders();
   void remove_folders();
 

@@ -37,6 +37,7 @@
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -310,38 +311,14 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
   fail(board, fmt::format("{}; {}", what, reach), remedy);
 }
 
-}  // namespace
-
-const char* end_name(const ProgramOutcome& outcome) {
-  if (outcome.error) return "failed";
-  constexpr std::array names{"done", "error",      "stopped",  "alarm",
-                             "lost", "unanswered", "restarted"};
-  return names[static_cast<std::size_t>(outcome.result.end)];
-}
-
-void check_program_options(const BoardOptions& options, const std::vector<std::string>& files,
-                           Frontend& frontend) {
-  check_options(options);
-  options.check(files);
-  require_askable(options, frontend);
-}
-
-ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
-                           const ProgramOptions& asked, Frontend& frontend) {
-  check_program_options(options, {file}, frontend);
-  return run_program_text(file, read_program_text(file), options, asked, frontend);
-}
-
-ProgramOutcome run_program_text(const std::string& name, std::string text,
-                                const BoardOptions& options, const ProgramOptions& asked,
-                                Frontend& frontend) {
-  check_program_options(options, {}, frontend);
+ProgramOutcome run_text(const std::string& name, std::string text, const BoardOptions& options,
+                        const ProgramOptions& asked, const OpenedEvents& opened,
+                        Frontend& frontend) {
   const LineChoice choice{asked.process ? &*asked.process : nullptr, asked.user_commands,
                           !asked.probe_logs.empty()};
   const std::string source = text;
   SentProgram program = program_of(name, std::move(text), choice);
   const settings::Values values = asked.machine.profile().settings;
-  if (!asked.events.empty()) EventStream::check(asked.events);
   BoardLink board(options, values);
   ask_permission(program, options, frontend);
   board.unlock_simulated();
@@ -362,27 +339,62 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   std::optional<ProgramEvents> events;
-  if (!asked.events.empty())
-    events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
-                   state ? &*state : nullptr);
+  if (opened.stream != nullptr)
+    events.emplace(*opened.stream, asked.events, program.text.lines,
+                   of_board ? of_board->values : values, state ? &*state : nullptr);
   if (const std::string note =
           program_run::clear_kept_parameters(board.port(), program.text.lines, program.text.file);
       !note.empty())
     frontend.notice(note);
   ProgramOutcome outcome =
       send(program, board, options, asked, {events ? &*events : nullptr, logs.get()}, frontend);
+  opened.is_sent = true;
   outcome.parts = asked.parts;
   if (outcome.result.at_line != 0 && !outcome.has_flow)
     outcome.from_refusal = from_refusal(program.text, outcome.result.at_line,
                                         of_board ? of_board->values : values, state);
   if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
+  outcome.rotary = of_board && is_rotary(of_board->values, rotary_axis);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
   frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.answered,
                outcome.lines, duration_text(std::chrono::duration<double>(result.elapsed).count()),
                place_text(result.status));
   return outcome;
+}
+
+}  // namespace
+
+const char* end_name(const ProgramOutcome& outcome) {
+  if (outcome.error) return "failed";
+  constexpr std::array names{"done", "error",      "stopped",  "alarm",
+                             "lost", "unanswered", "restarted"};
+  return names[static_cast<std::size_t>(outcome.result.end)];
+}
+
+void check_program_options(const BoardOptions& options, const std::vector<std::string>& files,
+                           Frontend& frontend) {
+  check_options(options);
+  options.check(files);
+  require_askable(options, frontend);
+}
+
+ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
+                           const ProgramOptions& asked, Frontend& frontend) {
+  return with_events(asked.events, [&](const OpenedEvents& events) {
+    check_program_options(options, {file}, frontend);
+    return run_text(file, read_program_text(file), options, asked, events, frontend);
+  });
+}
+
+ProgramOutcome run_program_text(const std::string& name, std::string text,
+                                const BoardOptions& options, const ProgramOptions& asked,
+                                Frontend& frontend) {
+  return with_events(asked.events, [&](const OpenedEvents& events) {
+    check_program_options(options, {}, frontend);
+    return run_text(name, std::move(text), options, asked, events, frontend);
+  });
 }
 
 Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {

@@ -48,6 +48,7 @@ struct ProgramOutcome {
   link::LineResult result{};
   link::Homing homing{};       ///< as the board has reported it
   ProgramParts parts{};        ///< as ProgramOptions
+  bool rotary = false;         ///< places of A are degrees
   bool has_flow = false;       ///< O-words and the like, within which --from cannot begin
   std::string from_refusal{};  ///< why --from with the line under way is refused; empty: it is not
   std::string ended_by{};      ///< the line of the computer that stopped it; empty if none did

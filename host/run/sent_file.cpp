@@ -140,7 +140,10 @@ void require_program(const std::string& file) {
 
 std::string read_program_text(const std::string& file) { return read_text_file(file); }
 
-Error no_line_to_send(const std::string& file) {
+Error no_line_to_send(const std::string& file, bool has_flow) {
+  if (has_flow)
+    return {Exit::bad_input, file, "its O-words lead to no line for the machine",
+            "check the conditions of its branches and loops, and that its subs are called"};
   return {Exit::bad_input, file, "has no line to send", "is this the right file?"};
 }
 

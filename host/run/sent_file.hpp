@@ -31,8 +31,8 @@ void require_program(const std::string& file);
 /// The text of a program. Throws Error(bad_input) if it cannot be read or is UTF-16.
 std::string read_program_text(const std::string& file);
 
-/// The error for a program without a line to run.
-Error no_line_to_send(const std::string& file);
+/// The error for a program without a line to run. `has_flow`: it has O-words.
+Error no_line_to_send(const std::string& file, bool has_flow = false);
 
 /// Throws Error(bad_input) for an output whose name does not end in .llj, for a job, or has the
 /// ending of another kind of file, for G-code. Devices and pipes have no endings.

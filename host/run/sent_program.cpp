@@ -109,7 +109,7 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
                   "send the whole program");
     program.text.lines = program_run::run_flow(std::move(program.text.lines), program.text.file,
                                                values, state, choice.process);
-    if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
+    if (program.text.lines.empty()) throw no_line_to_send(program.text.file, true);
   } else if (program_run::has_process_values(program.text.source)) {
     program.text.source = program_run::with_process_values(program.text.source, program.text.file,
                                                            choice.process, values, state);
@@ -120,6 +120,8 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
         program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
   if (options.dry)
     program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
+  program.text.lines =
+      link::separate_messages(std::move(program.text.lines), program_run::is_user_command);
   if (choice.logs_probes && state) {
     auto logged = program_run::with_probe_questions(std::move(program.text.lines), values, *state);
     program.text.lines = std::move(logged.lines);

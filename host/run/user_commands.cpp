@@ -46,7 +46,7 @@ CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string where = fmt::format("{}:{}", file, lines[i].number);
     if (skips_expressions && lines[i].text.find_first_of("#[") != std::string::npos) continue;
-    const auto command = program_run::user_command_of(lines[i].text, where);
+    const auto command = program_run::user_command_of(lines[i], file);
     if (!command) continue;
     check_executable(*command, folder, where);
     commands[i] = *command;

@@ -39,6 +39,7 @@ Json program_json(const program_run::ProgramRun& run, const std::string& name) {
           {"rapid_mm", run.rapid_mm},
           {"problems", std::move(problems)},
           {"bounds", {corner(run.bounds.low), corner(run.bounds.high)}},
+          {"rotary", run.rotary},
           {"picture", program_run::path_svg(run, name)}};
 }
 

@@ -1,5 +1,7 @@
 #include "host/serve/job_folder.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
@@ -86,6 +88,17 @@ void JobFolder::check_name(const std::string& name) {
 void JobFolder::write(const std::string& name, std::string_view bytes) const {
   check_name(name);
   write_whole(folder_ / name, [&](const fs::path& path) { write_file(path, bytes); });
+  std::error_code ignored;
+  fs::remove(folder_ / (name + ".progress"), ignored);
+}
+
+std::string JobFolder::revision_of(const std::string& name) const {
+  const fs::path path = path_of(name);
+  std::error_code error;
+  const auto written = fs::last_write_time(path, error);
+  const auto bytes = fs::file_size(path, error);
+  if (error) throw Error(Exit::bad_input, name, error.message(), "send it again");
+  return fmt::format("{}-{}", bytes, written.time_since_epoch().count());
 }
 
 fs::path JobFolder::path_of(const std::string& name) const {

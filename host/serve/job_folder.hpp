@@ -32,10 +32,13 @@ class JobFolder {
 
   /// Files for a machine, models and descriptions, by name.
   std::vector<JobFile> list() const;
-  /// Writes a file, whole or not at all. Throws Error(bad_input).
+  /// Writes a file, whole or not at all, and removes the progress of the job that it replaces.
+  /// Throws Error(bad_input).
   void write(const std::string& name, std::string_view bytes) const;
   /// The path of a file that is there. Throws Error(bad_input).
   std::filesystem::path path_of(const std::string& name) const;
+  /// Another text after each write of a file. Throws Error(bad_input).
+  std::string revision_of(const std::string& name) const;
   /// Removes a file, and the progress of its job. Throws Error(bad_input).
   void remove(const std::string& name) const;
 

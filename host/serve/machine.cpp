@@ -77,6 +77,11 @@ void Machine::show(const std::string& text) {
   if (console_.size() > max_console_lines) console_.pop_front();
 }
 
+bool Machine::runs_dry_job() const {
+  const std::lock_guard lock(mutex_);
+  return requests_ && view_.job.is_running && view_.job.is_dry;
+}
+
 // Requests of the server.
 
 void Machine::stop() {
@@ -117,6 +122,10 @@ void Machine::check_is_free() const {
 void Machine::start(const JobStart& job) {
   const std::lock_guard lock(mutex_);
   check_is_free();
+  // What is held may have the laser on: the user resumes or stops it first.
+  const std::string& state = view_.board.state;
+  if (!job.resumes && (state.starts_with("Hold") || state.starts_with("Door")))
+    throw Refusal(Exit::job_failed, "machine-held", {{"job", job.name}});
   lease_.reset();
   next_job_ = job;
   view_.job = {};

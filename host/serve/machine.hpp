@@ -39,6 +39,7 @@
 #include "host/serve/clock.hpp"
 #include "host/serve/machine_view.hpp"
 #include "host/serve/page_frontend.hpp"
+#include "shared/inch_axes.hpp"
 
 namespace lamplock::serve {
 
@@ -78,6 +79,8 @@ class Machine {
   void end();
 
   MachineView view() const;
+  /// A dry run that has begun on the board.
+  bool runs_dry_job() const;
   /// Travel of the connected board by its own settings, mm of the machine; nothing before they were
   /// read, and for a board that does not have them.
   std::optional<geometry::Bounds> area() const;
@@ -148,6 +151,7 @@ class Machine {
   void send_next_line(Talk& talk);
   void supervise(Talk& talk);
   void publish(const Talk& talk);
+  std::vector<double> in_mm(std::vector<double> place) const;
   void read_limits();
   void do_work(const Posted& posted);
   void run_job(const JobStart& job);
@@ -188,6 +192,7 @@ class Machine {
 
   // Of the thread of the machine.
   std::unique_ptr<link::Transport> transport_;
+  InchAxes inches_{};                         ///< of the positions that the board reports
   std::optional<pendant::JogLimits> limits_;  ///< by the settings of the board; null: to be read
   std::optional<run::Supervisor> supervisor_;
   std::string complaint_;        ///< of the lines of the computer, shown last

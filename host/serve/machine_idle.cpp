@@ -217,16 +217,24 @@ void Machine::publish(const Talk& talk) {
   board.is_connected = true;
   board.problem.clear();
   board.state = state_text(machine.status);
-  board.machine_mm = machine.place(false);
-  board.work_mm = machine.place(true);
+  board.machine_mm = in_mm(machine.place(false));
+  board.work_mm = in_mm(machine.place(true));
   board.overrides = machine.overrides;
   board.jogs = talk.moves();
+}
+
+std::vector<double> Machine::in_mm(std::vector<double> place) const {
+  constexpr double mm_per_inch = 25.4;
+  for (std::size_t a = 0; a < place.size(); ++a)
+    if (inches_.has(static_cast<int>(a))) place[a] *= mm_per_inch;
+  return place;
 }
 
 void Machine::read_limits() {
   link::LinePort port(*transport_);
   const link::BoardSettings settings = link::read_settings(port);
   limits_ = pendant::jog_limits(settings.values);
+  inches_ = inch_axes(settings.values);
   {
     const std::lock_guard lock(mutex_);
     area_.reset();

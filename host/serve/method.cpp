@@ -65,7 +65,9 @@ constexpr std::array start_parameters{
     Parameter{"resume", Type::flag, false, 0, 0, nullptr,
               "continues the last run of a job; no point is fired twice"},
     Parameter{"from", Type::whole, false, 0, max_items, nullptr,
-              "point, or line of a program, to begin at"}};
+              "point, or line of a program, to begin at"},
+    Parameter{"revision", Type::text, false, 1, max_line_text, nullptr,
+              "of `job.check`: the job is refused if its file has changed since"}};
 constexpr std::array zero_parameters{Parameter{"axes", Type::text, true, 0, 0, "X|Y|Z|XY|XYZ",
                                                "axes whose work position becomes 0"}};
 constexpr std::array send_parameters{
@@ -157,7 +159,8 @@ constexpr std::array table{
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
     Method{"job.check", Right::all, program_parameters,
            "Runs a program, or reads a job, without the machine.",
-           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`; of a "
+           "`kind`, `revision` (of the file), `seconds`, `problems`, `bounds` (mm; degrees of A if "
+           "`rotary` is true), `picture` (SVG), `points` or `lines`; of a "
            "program with process parameters `material`: values of the chosen setting (`title`, "
            "`feed`, "
            "`power`, `passes`, `air`, `kerf`, `frequency`, `thickness`), or null"},

@@ -14,6 +14,7 @@
 #include "host/serve/error_message.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/multipart.hpp"
+#include "host/serve/url_text.hpp"
 #include "host/version.hpp"
 
 namespace lamplock::serve {
@@ -52,24 +53,6 @@ WebReply rest_refusal(int status, const std::string& text) {
 }
 
 WebReply no_content() { return {204, "application/json", ""}; }
-
-/// "%20" as in a URL.
-std::string decoded(std::string_view text) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  const auto digit = [&](char c) { return digits.find(static_cast<char>(c | 0x20)); };
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
-                         digit(text[i + 1]) != digits.npos && digit(text[i + 2]) != digits.npos;
-    if (!is_code) {
-      result += text[i];
-      continue;
-    }
-    result += static_cast<char>(digit(text[i + 1]) * 16 + digit(text[i + 2]));
-    i += 2;
-  }
-  return result;
-}
 
 /// The state in OctoPrint's words.
 Json rest_state(const MachineView& view) {

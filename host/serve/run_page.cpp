@@ -8,6 +8,7 @@
 #include "host/duration_text.hpp"
 #include "host/svg.hpp"
 #include "shared/units.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -24,11 +25,14 @@ std::string seconds_of(std::chrono::microseconds time) {
   return duration_text(std::chrono::duration<double>(time).count());
 }
 
-std::string place_text(const std::vector<double>& mm) {
+/// `rotary`: that of A is in degrees, the others are mm.
+std::string place_text(const std::vector<double>& place, bool rotary) {
   std::string text;
-  for (std::size_t a = 0; a < std::min(mm.size(), axis_letters.size()); ++a)
-    text += fmt::format("{}{} {:.3f}", a == 0 ? "" : ", ", axis_letters[a], mm[a]);
-  return text + " mm";
+  for (std::size_t a = 0; a < std::min(place.size(), axis_letters.size()); ++a) {
+    if (rotary && a == rotary_axis) text += " mm";
+    text += fmt::format("{}{} {:.3f}", a == 0 ? "" : ", ", axis_letters[a], place[a]);
+  }
+  return text + (rotary && place.size() > rotary_axis ? " degrees" : " mm");
 }
 
 std::string row(const std::string& name, const std::string& value) {
@@ -76,7 +80,8 @@ RunReport report_of(const run::ProgramOutcome& outcome) {
   if (outcome.planned_s)
     report.facts.emplace_back("Planned time", duration_text(*outcome.planned_s));
   if (!outcome.result.status.position.empty())
-    report.facts.emplace_back("Place at the end", place_text(outcome.result.status.position));
+    report.facts.emplace_back("Place at the end",
+                              place_text(outcome.result.status.position, outcome.rotary));
   return report;
 }
 

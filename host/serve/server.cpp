@@ -18,6 +18,7 @@
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 #include "host/serve/refusal.hpp"
+#include "host/serve/url_text.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -175,7 +176,7 @@ void Server::reply(WebRequest request, Answer answer) {
 }
 
 WebReply Server::take_file(const WebRequest& request) {
-  const std::string name = request.target.substr(files_target.size());
+  const std::string name = decoded(std::string_view(request.target).substr(files_target.size()));
   try {
     const JobView job = machine_->view().job;
     if (job.is_running && job.name == name)
@@ -291,11 +292,11 @@ void Server::require_program_right() const {
                 "send the file, and start it in a page that is paired");
 }
 
-/// A dry run, or its resume.
+/// A dry run, or the resume of one that has begun: before that, a program of an earlier server may
+/// be held on the board.
 bool Server::keeps_dark(const Method& method, const Call& call) const {
   if (std::string_view(method.name) == "job.start") return call.parameters().value("dry", false);
-  const JobView job = machine_->view().job;
-  return std::string_view(method.name) == "machine.resume" && job.is_running && job.is_dry;
+  return std::string_view(method.name) == "machine.resume" && machine_->runs_dry_job();
 }
 
 void Server::succeed(const Call& call, const Json& result) {

@@ -248,9 +248,11 @@ void Server::check_job(const Call& call) {
   const auto result = std::make_shared<Json>();
   compute(
       call,
-      [result, path = folder_.path_of(name).string(), name, machine = options_.machine,
+      [result, path = folder_.path_of(name).string(), revision = folder_.revision_of(name), name,
+       machine = options_.machine,
        material = material_choice(call.parameters(), options_.library)] {
         *result = check_file(path, name, machine, material);
+        (*result)["revision"] = revision;
       },
       [result] { return *result; });
 }
@@ -263,6 +265,9 @@ void Server::start_job(const Call& call) {
   job.resumes = call.parameters().value("resume", false);
   job.from = call.parameters().value("from", std::size_t{0});
   job.material = material_choice(call.parameters(), options_.library);
+  if (const auto revision = call.parameters().find("revision");
+      revision != call.parameters().end() && *revision != folder_.revision_of(job.name))
+    throw Refusal(Exit::job_failed, "file-changed", {{"job", job.name}});
   machine_->start(job);
   succeed(call, nullptr);
 }

@@ -171,7 +171,7 @@ TEST(ProcessValues, WorkInOwordsAndSubs) {
   EXPECT_EQ(flow_of(asks, nullptr), "G1 X1 F5 ");
   EXPECT_THAT(
       test::error_of([&] { flow_of("o1 if [1]\nX#<_material_frequency>\no1 endif", &values); }),
-      HasSubstr("p.ngc:2: '#<_material_frequency>'"));
+      HasSubstr("p.ngc:2:2: '#<_material_frequency>'"));
   EXPECT_THAT(test::error_of([&] { flow_of("o1 if [1]\nX#<_material_feed>\no1 endif", nullptr); }),
               HasSubstr("p.ngc:2:2: '#<_material_feed>': no material is chosen"));
 }

@@ -14,6 +14,7 @@
 #include "host/file.hpp"
 #include "host/job/job.hpp"
 #include "host/program/flow_unit.hpp"
+#include "host/program/line_column.hpp"
 #include "host/program/program_run.hpp"
 #include "tests/program/rs274.hpp"
 #include "tests/scale.hpp"
@@ -145,24 +146,57 @@ TEST(ProgramFlow, RefusesWithTheLineOfTheFile) {
       {"G0\no1 endwhile", "p.ngc:2: 'o1 endwhile' has no begin here"},
       {"o1 if [1]\no2 endif", "p.ngc:2: 'o2 endif' has no begin here: o1 if is open"},
       {"o1 repeat [1]\no1 break\no1 endrepeat\no1 break", "p.ngc:4: 'o1 break' is in no loop"},
-      {"o1 if [1/0]\no1 endif", "p.ngc:1: error:72"},
-      {"o1 if 1\no1 endif", "p.ngc:1: 'if1' is no O-word"},
+      {"o1 if [1/0]\no1 endif", "p.ngc:1:9: error:72"},
+      {"N5 o1 if [1] (a)\n  o2 if [1 / 0]\no2 endif\no1 endif", "p.ngc:2:12: error:72"},
+      {"G0 X1\n/ o[1/0] call", "p.ngc:2:6: error:72"},
+      {"o1 if 1\no1 endif",
+       "p.ngc:1: the value '1' of if is not in square brackets; write 'if [1]'"},
+      {"o1 call 5", "p.ngc:1: the value '5' of call is not in square brackets; write 'call [5]'"},
+      {"o1 while #1 LT 5\no1 endwhile", "the value '#1lt5' of while is not in square brackets"},
+      {"o1 while EXISTS[#<a>]\no1 endwhile", "'exists[#<a>]' of while is not in square brackets"},
+      {"o1 if [1]\no1 else 5\no1 endif", "p.ngc:2: else has no value; remove what follows it"},
       {"o1 if\no1 endif", "p.ngc:1: if has 0 values"},
       {"o1 gosub", "p.ngc:1: 'gosub' is no O-word"},
       {"o7 call", "p.ngc:1: there is no sub o7, and no file 7.ngc"},
       {"o1 sub\no1 call\no1 endsub\no1 call", "p.ngc:2: calls are nested more than 10 deep"},
       {"o1 sub\no1 sub\no1 endsub", "p.ngc:2: a sub begins inside of o1 sub"},
       {"o1 return", "p.ngc:1: return is outside of a sub"},
-      {"o1 while [1]\no1 endwhile", "p.ngc:1: the program does not end"},
+      {"o1 while [1]\no1 endwhile",
+       "p.ngc:1: the program has executed 1000000 statements in a row without a line for the "
+       "machine, the limit of the host"},
       {"o1 while [1]\nG0\no1 endwhile", "p.ngc:2: the program has more than 1000000 lines"},
       {"M66 P0 L3 Q1\no1 if [#5399 GT 0]\no1 endif", "p.ngc:2: #5399 is not known"},
       {"M98 P7", "p.ngc:1: there is no program O7"},
       {"M99", "p.ngc:1: M99 ends no program"},
       {"M98 P7\nM30\nO7\nG0", "p.ngc:4: the program that M98 called has no end"},
-      {"o1 if [1]\nG0 X[#<none>]\no1 endif", "p.ngc:2: error:74"},
+      {"o1 if [1]\nG0 X[#<none>]\no1 endif", "p.ngc:2:6: error:74"},
+      {"o1 if [1]\n  G0 (a) Y[#1 + 3] X[1/0]\no1 endif", "p.ngc:2:23: error:72"},
+      {"o1 sub\nM73 G0 X[1/0]\no1 endsub\no1 call", "p.ngc:2: error:72"},
   };
   for (const auto& row : rows)
     EXPECT_THAT(refusal_of(row.text), HasSubstr(row.refusal)) << row.text;
+}
+
+/// For `check` and `send`, which run the lines again.
+TEST(ProgramFlow, LinesKeepThePlacesOfTheirWords) {
+  const auto lines = flow_of(
+      "o1 sub\nM73 G91 (text) X[2 + 3]\no1 endsub\no1 if [1]\n"
+      " #2=4 X[1+1] (a) Y#2 (b)\no1 call\no1 endif\nG0 X1\n");
+  ASSERT_GE(lines.size(), 4u);
+  EXPECT_EQ(lines[0].text, "X2Y0");
+  EXPECT_EQ(column_in_file(lines[0], 1), 7u);
+  EXPECT_EQ(column_in_file(lines[0], 3), 18u);
+  EXPECT_EQ(lines[1].text, "G91X5");
+  EXPECT_EQ(column_in_file(lines[1], 1), 0u) << "without M73 the words are others";
+  EXPECT_EQ(column_in_file(lines[2], 1), 0u) << "a line of the host, which restores the modes";
+}
+
+TEST(ProgramFlow, ShowsTheMessageOfAnEndOnce) {
+  std::string messages;
+  for (const link::ProgramLine& line :
+       flow_of("o1 sub\nM73 G91\nX1\no1 endsub (MSG, end)\no1 call\nM2\n"))
+    messages += line.messages;
+  EXPECT_EQ(messages, "(MSG,end)");
 }
 
 TEST(ProgramFlow, FindsWhatNeedsIt) {

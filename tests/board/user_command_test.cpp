@@ -21,11 +21,12 @@ TEST(UserCommand, HasANumberAndTwoArguments) {
     int number;
     double p, q;
   } rows[] = {
-      {"M100", 100, -1, -1},    {"m199 q2.5 p-3", 199, -3, 2.5}, {"N7 M101P0", 101, 0, -1},
-      {"M0118 Q1", 118, -1, 1}, {"M 150", 150, -1, -1},
+      {"M100", 100, -1, -1},     {"m199 q2.5 p-3", 199, -3, 2.5},
+      {"N7 M101P0", 101, 0, -1}, {"M0118 Q1", 118, -1, 1},
+      {"M 150", 150, -1, -1},    {"M101 P+999999999.5", 101, 999999999.5, -1},
   };
   for (const auto& row : rows) {
-    const auto command = user_command_of(row.line, "p.ngc:1");
+    const auto command = user_command_of({1, row.line}, "p.ngc");
     ASSERT_TRUE(command) << row.line;
     EXPECT_EQ(command->number, row.number) << row.line;
     EXPECT_EQ(command->p, row.p) << row.line;
@@ -41,13 +42,18 @@ TEST(UserCommand, LeavesTheCodesOfTheMachine) {
 
 TEST(UserCommand, StandsAlone) {
   const auto refusal = [](const char* line) {
-    return test::error_of([line] { user_command_of(line, "p.ngc:4"); });
+    return test::error_of([line] { user_command_of({4, line}, "p.ngc"); });
   };
-  EXPECT_THAT(refusal("M101 X5"), HasSubstr("p.ngc:4: 'X5' is in the line of a user command"));
+  EXPECT_THAT(refusal("M101 X5"), HasSubstr("p.ngc:4:6: 'X5' is in the line of a user command"));
   EXPECT_THAT(refusal("G0 M101"), HasSubstr("'G0' is in the line of a user command"));
   EXPECT_THAT(refusal("M101 M102"), HasSubstr("'M102' is in the line of a user command"));
   EXPECT_THAT(refusal("#1=2 M101"), HasSubstr("is in the line of a user command"));
   EXPECT_THAT(refusal("M101 P"), HasSubstr("'P' is not a number"));
+  EXPECT_THAT(refusal("M101 P1 P2"), HasSubstr("p.ngc:4:9: error:25 'P2' occurs twice"));
+  EXPECT_THAT(refusal("Q-1 M101 Q1"), HasSubstr("p.ngc:4:10: error:25 'Q1' occurs twice"));
+  for (const char* value : {"P9999999999999", "P-1000000000", "P+1000000000.5"})
+    EXPECT_THAT(refusal((std::string("M101 ") + value).c_str()),
+                HasSubstr(std::string("p.ngc:4:6: error:2 '") + value + "' is too large"));
 }
 
 TEST(UserCommand, HasValuesOfSubs) {

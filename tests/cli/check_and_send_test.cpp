@@ -129,7 +129,7 @@ TEST(CheckAndSend, NameTheMissingWord) {
   }
   const Folder folder;
   const std::string file = folder.write("p.ngc", "o1 sub\nG41.1\no1 endsub\no1 call\n");
-  EXPECT_THAT(run({"check", file}).out, HasSubstr(":2: error:28 'G41.1' needs a D word"));
+  EXPECT_THAT(run({"check", file}).out, HasSubstr(":2:1: error:28 'G41.1' needs a D word"));
 }
 
 /// Words that the machine has, at a place where they must not be.
@@ -174,6 +174,17 @@ TEST(CheckAndSend, NameWhatExcludesAWord) {
             ":5: error:20 'G5.1': curves of G5 to G5.3 are in the plane of G17", "; write G17"},
            {"G93 G81 X1 Z-1 R1 F1", ":5: error:20 'G81': a cycle has no time of its own",
             "; write G94"},
+           {"G93\nG41.1 D1", ":1: error:90 cutter compensation (G41, G42) is not possible with G93",
+            "; write G94"},
+           {"G93 G41.1 D1", ":5: error:90 cutter compensation (G41, G42) is not possible with G93",
+            "; write G94"},
+           {"G1 F60\nG41.1 D1\nG93 X5 F1", ":5: error:90 cutter compensation (G41, G42) is not",
+            "; write G40 before it"},
+           {"G53 G0 G41.1 D1 X5", ":1: error:90 'G53' is not possible in a line that begins cutter",
+            "; write G41 or G42 in"},
+           {"M0 G41.1 D1", ":1: error:90 'M0' is not possible in a line that begins cutter",
+            "; write G41 or G42 in"},
+           {"G41.1 D1\nG10 L2 P1 X1", ":1: error:90 not possible while cutter compensation", ""},
            {"G10 L20 P1 R10", ":12: error:20 'R10': only G10 L1, L10, L11 and L2 have an R word",
             "; rotate the coordinate system with G10 L2 P R"},
            {"G10 L3 P1 X1", ":5: error:20 'L3': G10 has L1, L2, L10, L11 and L20", "; correct"},
@@ -222,6 +233,45 @@ TEST(CheckAndSend, ShowMessagesWithValues) {
   }
 }
 
+/// The texts of the messages that `send` shows for a program.
+std::vector<std::string> shown_messages(const std::string& program,
+                                        const std::vector<std::string>& options = {}) {
+  const Folder folder;
+  std::vector<std::string> arguments{"send", folder.write("p.ngc", program), "--board", "virtual"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const Finished sent = run(arguments);
+  EXPECT_EQ(sent.status, 0) << sent.err;
+  std::vector<std::string> messages;
+  for (const std::string& line : lines(sent.err))
+    if (line.starts_with("machine: ") && line != "machine: Pgm End")
+      messages.push_back(line.substr(9));
+  return messages;
+}
+
+/// A line of the board has no room for them together.
+TEST(CheckAndSend, LoseNoMessage) {
+  const std::string a(100, 'a'), b(100, 'b'), c(100, 'c');
+  const std::string three = fmt::format("(MSG, {})\n(MSG, {})\n(MSG, {})\n", a, b, c);
+  const std::string beside = fmt::format("G1 X1 F600 (MSG, {}) (MSG, {}) (MSG, {})\nM2\n", a, b, c);
+  for (const std::string begin : {"", "o1 if [1]\no1 endif\n"}) {
+    EXPECT_THAT(shown_messages(begin + three + "G1 X1 F600\nM2\n"), testing::ElementsAre(a, b, c));
+    EXPECT_THAT(shown_messages(begin + beside), testing::ElementsAre(a, b, c));
+    EXPECT_THAT(
+        shown_messages(begin + "G21\n(MSG, a)\nM3 S9 (MSG, b)\nG1 X1 F600\n(MSG, c)\n", {"--dry"}),
+        testing::ElementsAre("a", "b", "c"));
+  }
+  std::vector<std::string> numbers;
+  for (int i = 0; i < 40; ++i) numbers.push_back(fmt::format("n {}", i));
+  EXPECT_THAT(shown_messages("G21\n#1=0\no1 repeat [40]\n(PRINT, n %d#1)\n#1=[#1+1]\no1 endrepeat\n"
+                             "G1 X1 F600\n"),
+              testing::ElementsAreArray(numbers));
+  EXPECT_THAT(shown_messages("#1=0\nG21\n(MSG, begin)\no1 while [#1 lt 3]\n#1=[#1+1]\no1 endwhile\n"
+                             "(MSG, end)\n"),
+              testing::ElementsAre("begin", "end"));
+  EXPECT_THAT(shown_messages("o1 if [1]\nG21\n(MSG, a)\n$X\no1 endif\n"),
+              testing::ElementsAre("a"));
+}
+
 TEST(CheckAndSend, RefuseUtf16) {
   const std::string program = "G21\nG1 X1 F100\n";
   for (const bool high_first : {false, true}) {
@@ -243,6 +293,20 @@ TEST(CheckAndSend, RefuseAFileWithoutALineToRun) {
       EXPECT_THAT(done.err, HasSubstr("p.ngc: has no line to send; is this the right file?"));
     }
   }
+}
+
+TEST(CheckAndSend, RefuseOWordsThatLeadToNoLine) {
+  const Folder folder;
+  for (const std::string text : {"o1 if [0]\nG0 X1\no1 endif\n", "o1 sub\nG0 X1\no1 endsub\n"}) {
+    const std::string file = folder.write("p.ngc", text);
+    for (const Finished& done : {run({"check", file}), run({"send", file, "--board", "virtual"})}) {
+      EXPECT_EQ(done.status, 2) << text;
+      EXPECT_THAT(done.err, HasSubstr("p.ngc: its O-words lead to no line for the machine; check"));
+    }
+  }
+  const std::string file = folder.write("p.ngc", "o1 if [1]\n(MSG, a)\no1 endif\n");
+  EXPECT_EQ(run({"check", file}).status, 0);
+  EXPECT_THAT(run({"send", file, "--board", "virtual"}).err, HasSubstr("machine: a"));
 }
 
 /// A machine that sleeps does not answer.

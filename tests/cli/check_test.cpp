@@ -105,6 +105,28 @@ TEST(Check, LengthsAreThoseOfTheChords) {
   EXPECT_THAT(run({"check", "--help"}).out, HasSubstr("along the chords"));
 }
 
+/// 720 degrees at 3600 degrees a minute, 10 mm at 600 mm/min beside A, 90 degrees as a rapid.
+TEST(Check, DegreesAreNoLengths) {
+  const Folder folder;
+  const std::string file =
+      folder.write("a.ngc", "G1 A720 F3600\nG1 X10 A0 F600\nG0 A90\nG0 X16 Y8 A-90\n");
+  const auto machine = [&](const std::string& text) {
+    return folder.write("m.toml", "axes = 4\n" + text);
+  };
+  for (const std::string rotary : {"1", "2"}) {
+    const nlohmann::json seen =
+        check(file, {"--machine", machine("rotary_axis = " + rotary + "\n")});
+    EXPECT_NEAR(seen["feed_mm"].get<double>(), 10, 1e-9);
+    EXPECT_NEAR(seen["rapid_mm"].get<double>(), 10, 1e-9);
+    EXPECT_EQ(seen["rotary"], true);
+  }
+  const std::string text = run({"check", file, "--machine", machine("rotary_axis = 1\n")}).out;
+  EXPECT_THAT(text, HasSubstr("X         0.000 to 16.000 mm"));
+  EXPECT_THAT(text, HasSubstr("A         -90.000 to 720.000 degrees"));
+  EXPECT_THAT(run({"check", file, "--machine", machine(""), "--max-problems", "1"}).out,
+              HasSubstr("A 720.000 mm is outside of the work space"));
+}
+
 TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X1#\nG33\nG1 Y2\nG1 X1 X2\n");

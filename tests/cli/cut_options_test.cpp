@@ -59,6 +59,7 @@ TEST_F(CutOptions, what_is_no_drawing_is_not_advised) {
     const Finished wrong = run({"cut", folder_.write(name, "x"), "--list"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("; give a drawing (dxf, svg, svgz)\n")) << name;
+    EXPECT_EQ(run({"cut", folder_ / name}).err, wrong.err) << "before the missing output";
   }
   EXPECT_THAT(run({"cut", folder_.write("x.ai", "x"), "--list"}).err, HasSubstr("save it as SVG"));
   EXPECT_THAT(run({"points", folder_ / "x.mtl", "-o", folder_ / "x.xyz"}).err,
@@ -128,6 +129,67 @@ TEST_F(CutPosts, paths_of_the_plan_are_accepted) {
   EXPECT_EQ(cut({"--kerf", "0.5", "--compensation", "controller", "--passes", "2"}).status, 0);
   drawing(dxf_polyline({{0, 0}, {10, 0}}, false));
   EXPECT_EQ(cut_by(lines()).status, 0) << "a line along an axis";
+}
+
+/// With the box and the length of the plan, but another path, feed, power or height.
+TEST_F(CutPosts, programs_that_only_look_like_the_plan_are_refused) {
+  drawing(dxf_rectangle(5, 5, 20, 20));
+  const auto refuses = [&](const std::string& text, const std::string& what) {
+    EXPECT_THAT(refused(cut_by(text)), HasSubstr(what)) << text;
+  };
+  std::string mirrored = lines("rapid = \"G0 X{x} Y{y}", "rapid = \"G0 X{y} Y{x}");
+  mirrored.replace(mirrored.find("G1 X{x} Y{y}"), 12, "G1 X{y} Y{x}");
+  refuses(mirrored, "runs by (5.000, 25.000) mm, which is not on the plan's edge");
+  refuses(lines("G21 G90", "G21 G90 G93"), "has a feed of");
+  refuses(lines("G21 G90", "G21 G90 G55"), "changes the coordinate system");
+  refuses(lines("S{power}", "S{power} Z-20"), "ends at Z -20.000 mm, the plan at 0.000");
+  refuses(lines("S{power}", "S500"), "has S500, the plan S800");
+  refuses(lines("F{feed}", "F{feed}0"), "has a feed of 6000.000 mm/min, the plan 600.000");
+  refuses(lines("\"M4 S0\"]", "\"M4 S0\", \"G1 X20 F100 S500\", \"G0 X0 S0\"]"),
+          "moves with S500 where the plan has no light");
+  // Far smaller than the sheet, which decides nothing.
+  drawing(dxf_rectangle(5.1, 5.1, 20.1, 20.1));
+  refuses(lines("G1 X{x}", "G1 X{x}04"), "(25.204, 5.100) mm");
+}
+
+TEST_F(CutPosts, dark_programs_are_proved_to_be_dark) {
+  const std::vector<std::string> lit{"shape_begin = [\"M3 S1000\", \"G4 P0.2\", \"M3 S{power}\"]\n",
+                                     "shape_begin = [\"m3 s1000\", \"M3 S{power}\"]\n",
+                                     "shape_end = [\"M3 S1000\", \"G4 P1\", \"M5\"]\n",
+                                     "comment = [\"({text})\", \"M4 S 5\", \"S0\"]\n"};
+  for (const std::string checked : {"", "checked = false\n"}) {
+    const auto dark = [&](const std::string& text, const char* option) {
+      return cut({"--post",
+                  folder_.write("own.toml", "decimals = 3\n" + checked + "[lines]\n" + text),
+                  option});
+    };
+    for (const char* const option : {"--dry", "--frame"}) {
+      const std::string end = "end = \"M2\"\n";
+      for (const std::string& more : lit)
+        EXPECT_THAT(refused(dark(lines() + more + end, option)),
+                    HasSubstr("may switch the light on; write {power} in the place of a fixed "))
+            << more;
+      for (const auto& [old, fixed] : {std::pair{"M4 S0", "M3 S500\", \"G1 X1 F100\", \"S0"},
+                                       std::pair{"S{power}", "S8[{power}]"}})
+        EXPECT_THAT(refused(dark(lines(old, fixed) + end, option)), HasSubstr("the light on"));
+      EXPECT_THAT(refused(dark(lines() + "end = [\"G1 X0 Y0 M3 S1000\", \"M2\"]\n", option)),
+                  HasSubstr("the light on"));
+      EXPECT_EQ(dark(lines() + "comment = \"(S1000 {text}) ; M3 S5\"\n" + end, option).status, 0);
+      std::filesystem::remove(program_);
+    }
+  }
+  // Another controller may begin with any power.
+  const std::string post = folder_.write(
+      "own.toml", "checked = false\n[lines]\n" + lines("M4 S0", "M4") + "end = \"M2\"\n");
+  EXPECT_THAT(refused(cut({"--post", post, "--dry"})), HasSubstr("'M4', may switch the light on"));
+}
+
+/// The rapid has switched the light off without a value of the plan.
+TEST_F(CutPosts, a_fixed_word_does_not_leave_the_next_contour_dark) {
+  const std::string changed = lines("F{feed} S{power}", "[ F{feed}][ S{power}]");
+  ASSERT_EQ(cut_by(changed).status, 0);
+  const std::string program = read(program_);
+  EXPECT_THAT(program.substr(program.rfind("G0 ")), HasSubstr("S800"));
 }
 
 TEST_F(CutPosts, dry_runs_have_no_air) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -104,6 +105,29 @@ TEST_F(CutTools, runs_on_a_simulated_board) {
   EXPECT_EQ(document["run"]["end"], "done");
   EXPECT_NEAR(document["run"]["seconds"].get<double>(), document["seconds"].get<double>(), 0.5);
   EXPECT_FALSE(std::filesystem::exists(program_));
+}
+
+TEST_F(CutTools, a_run_on_a_board_has_a_report) {
+  const std::string folder = folder_ / "report";
+  const auto report = [&](const Arguments& more) {
+    Arguments all{"--power", "50", "--kerf", "0.2", "--report", folder};
+    all.insert(all.end(), more.begin(), more.end());
+    return cut(all);
+  };
+  const Finished without = report({"-o", program_});
+  EXPECT_EQ(without.status, 2);
+  EXPECT_THAT(without.err, HasSubstr("--report: has no effect without a board; give --board NAME"));
+  EXPECT_EQ(report({"--board", "virtual", "--yes", "--feed", "1e9"}).status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder)) << "nothing was run";
+  const Finished finished = report({"--board", "virtual", "--yes"});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const json numbers = json::parse(read(folder + "/report.json"));
+  EXPECT_EQ(numbers["board"], "virtual");
+  EXPECT_EQ(numbers["cuts"], 2);
+  EXPECT_EQ(numbers["run"]["end"], "done");
+  EXPECT_NEAR(numbers["run"]["seconds"].get<double>(), numbers["seconds"].get<double>(), 0.5);
+  const std::string page = read(folder + "/report.html");
+  EXPECT_THAT(page, testing::AllOf(HasSubstr("Time of the run"), HasSubstr("<svg")));
 }
 
 TEST_F(CutTools, a_frame_runs_around_the_cuts_without_light) {

@@ -239,6 +239,26 @@ TEST(HelpRules, the_greatest_faults_of_a_lamp_are_accepted) {
   }
 }
 
+/// With the materials that the program brings.
+TEST(HelpRules, examples_name_settings_of_the_library) {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "G1 X1 F#<_material_feed>\n");
+  const std::regex choice("--material ([^ ]+)( --thickness ([^ ]+))?");
+  std::set<std::vector<std::string>> choices;
+  for_all([&](const Command& command, const std::string& path) {
+    for (const std::string& line : example_lines(help_text(command, path, HelpKind::all, 200))) {
+      std::smatch found;
+      const bool is_program = path == "lamplock check" || path == "lamplock send";
+      if (!is_program || !std::regex_search(line, found, choice)) continue;
+      std::vector<std::string> words{"check", file, "--material", found[1]};
+      if (found[3].matched) words.insert(words.end(), {"--thickness", found[3]});
+      choices.insert(words);
+    }
+  });
+  EXPECT_GE(choices.size(), 1u);
+  for (const auto& words : choices) EXPECT_EQ(run(words).status, 0) << run(words).err;
+}
+
 TEST(HelpRules, a_missing_example_model_names_the_command_that_writes_it) {
   const Folder folder;
   const std::string job = folder.write("block.toml", "[[object]]\nfile = \"nautilus.stl\"\n");

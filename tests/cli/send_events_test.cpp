@@ -89,6 +89,46 @@ TEST(SendEvents, NoBlockIsEarlierThanItsMotion) {
   EXPECT_EQ(at, 20);
 }
 
+/// A reader must know before the operator continues that the motion before a pause has ended.
+TEST(SendEvents, BlocksBeforeAWaitAreWrittenAtItsBegin) {
+  const Folder folder;
+  const std::string program =
+      folder.write("p.ngc", "G21 G90\nG1 X5 F600\nM0\nG1 X6\nT1 M6\nG1 X7 F600\nG4 P2\nM2\n");
+  const Finished sent = run({"send", program, "--board", "virtual", "--events", "-"});
+  ASSERT_EQ(sent.status, 0) << sent.err;
+  const std::vector<Json> events = events_of(sent.out);
+  ASSERT_EQ(events.size(), 9u);
+  EXPECT_EQ(events[1]["state"], "Hold");
+  EXPECT_NEAR(events[1]["position"][0], 5, 0.01);
+  EXPECT_EQ(events[3]["state"], "Tool");
+  EXPECT_NEAR(events[3]["position"][0], 6, 0.01);
+  EXPECT_LE(events[5]["time_s"].get<double>(), events[6]["time_s"].get<double>() - 1.8);
+}
+
+/// The events of an earlier run must not be taken for those of this one.
+TEST(SendEvents, ARefusedProgramReplacesThem) {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "G1 X2 F6000\nX1\nM2\n"),
+                    wrong = folder.write("w.ngc", "G1 X2 F6000\nG1 X1 X2\n"), events = folder / "e";
+  for (const std::vector<std::string>& refused : std::vector<std::vector<std::string>>{
+           {"send", wrong, "--board", "virtual"},
+           {"send", file, "--board", "virtual", "--from", "99"},
+           {"send", folder / "no.ngc", "--board", "virtual"},
+           {"send", file, "--board", "virtual", "--material", "x"},
+           {"send", file, "--board", folder / "none"}}) {
+    EXPECT_EQ(run({"send", file, "--board", "virtual", "--events", events}).status, 0);
+    ASSERT_EQ(events_of(read(events)).back()["end"], "done");
+    std::vector<std::string> words = refused;
+    words.insert(words.end(), {"--events", events});
+    const Finished done = run(words);
+    EXPECT_NE(done.status, 0);
+    const std::vector<Json> seen = events_of(read(events));
+    ASSERT_EQ(seen.size(), 1u) << done.err;
+    EXPECT_EQ(seen[0]["end"], "refused");
+    EXPECT_EQ("error: " + seen[0]["message"].get<std::string>() + "\n", done.err);
+  }
+}
+
 TEST(SendEvents, ALostStreamDoesNotEndTheProgram) {
   const Folder folder;
   const std::string file = folder.write("p.ngc", "G1 X2 F6000\nX1\nM2\n");

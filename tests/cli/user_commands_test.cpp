@@ -1,4 +1,5 @@
 // User commands: run at rest, once and in order, with their arguments; a failure ends the program.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -52,6 +53,38 @@ TEST_F(UserCommandRuns, RunInOrderWithTheirArguments) {
                           "M150 -1.500000 0.500000 0", "M101 -1.000000 -1.000000 0", "end"));
   EXPECT_THAT(sent.err, HasSubstr("shown"));
   EXPECT_THAT(sent.out, HasSubstr("9 of 9 lines"));
+}
+
+/// The board does not get the line of the command, but its messages.
+TEST_F(UserCommandRuns, ShowTheMessagesOfTheirLine) {
+  command("M101");
+  const Finished sent =
+      run(send(program("G21\n(MSG, before)\nM101 P5 (MSG, beside)\n(MSG, after)\nM2\n")));
+  EXPECT_EQ(sent.status, 0) << sent.err;
+  const auto before = sent.err.find("machine: before"), beside = sent.err.find("machine: beside"),
+             shown = sent.err.find("user command: M101"), after = sent.err.find("machine: after");
+  EXPECT_LT(before, beside);
+  EXPECT_LT(beside, shown);
+  EXPECT_LT(shown, after);
+  EXPECT_NE(after, std::string::npos) << sent.err;
+}
+
+/// The pause that takes the place of the command is not named.
+TEST_F(UserCommandRuns, AreNamedInErrors) {
+  command("M101");
+  for (const std::string begin : {"", "o1 if [1]\no1 endif\n"}) {
+    const std::string file =
+        program(begin + "G5.2 X1 Y1 F100\nX2 Y2\n  M101 P5\nX3 Y1\nG5.3\nM2\n");
+    const std::string what = fmt::format("p.ngc:{}:3: error:20 'M101' must not be within a NURBS",
+                                         begin.empty() ? 3 : 5);
+    EXPECT_THAT(check(file).out, HasSubstr(what));
+    EXPECT_THAT(run(send(file)).err, HasSubstr(what));
+  }
+  for (const std::string line : {"M101 P1 P2", "M101 P9999999999999"}) {
+    const std::string file = program("G21\n" + line + "\nM2\n");
+    EXPECT_THAT(check(file).err, HasSubstr("p.ngc:2:"));
+    EXPECT_THAT(run(send(file)).err, HasSubstr("p.ngc:2:"));
+  }
 }
 
 /// The board has executed the lines before and reports that it is idle; none after them has begun.
@@ -126,7 +159,7 @@ TEST_F(UserCommandRuns, NothingIsSentThatCannotBeRun) {
   folder_.write("M101", "#!/bin/sh\n");
   both("G21\nM101\n", "M101 is not executable; permit it: chmod +x");
   command("M101");
-  both("M101 X5\n", "p.ngc:1: 'X5' is in the line of a user command");
+  both("M101 X5\n", "p.ngc:1:6: 'X5' is in the line of a user command");
   both("o1 if [1]\nM102\no1 endif\n", "p.ngc:2: 'M102': there is no file");
   both("G21\nG41.1 D1\nG0 X5\nM101\nG40\n", "error:90");
   EXPECT_FALSE(std::filesystem::exists(log()));

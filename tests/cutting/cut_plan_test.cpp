@@ -207,6 +207,32 @@ TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
   EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.6 mm, or none"));
 }
 
+/// The best start point is a notch where no lead fits; at another point a smaller one does.
+TEST(cut_plan, a_lead_that_fits_at_another_point_is_advised) {
+  const Contour star = polygon({{0.88, 0},
+                                {1.270171, 0.733333},
+                                {0.44, 0.762102},
+                                {0, 1.466667},
+                                {-0.44, 0.762102},
+                                {-1.270171, 0.733333},
+                                {-0.88, 0},
+                                {-1.270171, -0.733333},
+                                {-0.44, -0.762102},
+                                {0, -1.466667},
+                                {0.44, -0.762102},
+                                {1.270171, -0.733333}});
+  const std::vector<Contour> contours{star, circle({0, 0}, 3.3),
+                                      polygon({{-9, -9}, {9, -9}, {9, 9}, {-9, 9}})};
+  Operation one = operation(0.2);
+  one.lead_out = {LeadShape::arc, 2, 2, 90};
+  const std::string text = refusal(contours, one), begin = "; use a lead of ";
+  const std::size_t at = text.find(begin);
+  ASSERT_NE(at, std::string::npos) << text;
+  const double other_mm = std::stod(text.substr(at + begin.size()));
+  one.lead_out = {LeadShape::arc, other_mm, other_mm, 90};
+  EXPECT_EQ(refusal(contours, one), "") << other_mm;
+}
+
 TEST(cut_plan, refuses_what_cannot_be_cut) {
   Contour open = ten;
   open.edges.pop_back();

@@ -31,6 +31,21 @@ double total_length(const std::vector<Contour>& contours) {
   return length;
 }
 
+/// Two lines that are as short as their distance: they are a part of the gap, and stay open.
+TEST(large_tolerance, ends_that_no_tolerance_joins_have_no_distance) {
+  const Contour low{{{{0, 0}, {0.3, 0}, {}, 0}}, false},
+      high{{{{0, 0.2}, {0.3, 0.2}, {}, 0}}, false};
+  Random random(62);
+  for (const double tolerance_mm : {0.05, 0.5, 2.0}) {
+    const JoinedContours joined = joined_within(scattered({low, high}, random, 0), tolerance_mm);
+    for (const Fault& fault : joined.faults) {
+      if (fault.kind != FaultKind::gap) continue;
+      EXPECT_EQ(fault.size_mm > 0, tolerance_mm < 0.2) << tolerance_mm;
+    }
+    EXPECT_EQ(count_of(joined.faults, FaultKind::gap), tolerance_mm < 0.2 ? 4u : 2u);
+  }
+}
+
 TEST(large_tolerance, outlines_of_short_pieces_are_joined_with_their_neighbours) {
   Random random(61);
   for (int i = 0; i < scaled(150, 30); ++i) {

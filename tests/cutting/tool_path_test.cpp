@@ -78,6 +78,30 @@ TEST(tool_path, a_mill_descends_by_its_angle_and_cuts_the_whole_stroke_at_the_de
   }
 }
 
+/// Tabs at random places, in all passes: what a pass has not reached yet is entered by a ramp.
+TEST(tool_path, a_mill_never_drills_into_the_stock) {
+  Random random(303);
+  for (int i = 0; i < scaled(200, 40); ++i) {
+    Stroke stroke = stroke_of(random_star(random, {5, 8}, 6, 11, 9));
+    for (CutMove& move : stroke)
+      if (random.uniform() < 0.3) move = {move.edge, CutKind::tab, i % 3 * 0.3};
+    Tooling tooling;
+    tooling.ramp_deg = 5 + 60 * random.uniform();
+    const double slope = std::tan(tooling.ramp_deg * pi / 180);
+    for (PassHeights pass{0, -1, -4}; pass.to_mm >= pass.final_mm;
+         pass.from_mm = pass.to_mm, pass.to_mm -= 1) {
+      double z = tooling.clearance_mm;
+      for (const ToolMove& move : mill_path(stroke, pass, tooling)) {
+        if (move.z_from_mm < z - 1e-9) {
+          EXPECT_GE(move.z_from_mm, pass.from_mm - 1e-9) << "drills below the pass before";
+        }
+        EXPECT_LE(move.z_from_mm - move.z_to_mm, slope * cutting::length_of(move.edge) + 1e-6);
+        z = move.z_to_mm;
+      }
+    }
+  }
+}
+
 /// A blade that follows the swivel axis without slip to its sides: its direction turns by the part
 /// of the motion across it, divided by the offset. Largest distance of its tip from the stroke.
 double error_of_blade(const std::vector<ToolMove>& path, const Stroke& stroke, double offset_mm,

@@ -446,6 +446,43 @@ TEST(LineSender, a_board_that_counts_lines_itself_reports_no_line_of_the_file) {
   EXPECT_EQ(sending.sender.result().at_line, 0u);
 }
 
+TEST(LineSender, a_pause_shows_that_the_lines_before_it_are_executed) {
+  GrblModel board;
+  board.max_move = 400ms;
+  LineOptions options;
+  options.status_interval = 50ms;
+  Sending sending(board, numbered({"G1 X1", "G1 X2", "M0", "G1 X3"}), options);
+  ASSERT_TRUE(sending.run_until("Run"));
+  sending.sender.hold();
+  ASSERT_TRUE(sending.run_until("Hold:0"));
+  sending.run_for(500ms);
+  EXPECT_GE(sending.sender.answered(), 1u);
+  EXPECT_EQ(sending.sender.done(), 0u) << "a hold has interrupted the first line";
+  sending.sender.resume();
+  ASSERT_TRUE(sending.run_until("Run"));
+  ASSERT_TRUE(sending.run_until("Hold:0"));
+  sending.run_for(500ms);
+  EXPECT_EQ(sending.sender.answered(), 2u);
+  EXPECT_EQ(sending.sender.done(), 2u);
+  sending.sender.resume();
+  EXPECT_EQ(sending.run().end, LineEnd::done);
+  EXPECT_EQ(sending.sender.done(), 4u);
+}
+
+/// Their queue is not that of the report.
+TEST(LineSender, points_on_the_beat_are_not_executed_at_a_pause) {
+  for (const char* lock : {"M130 P0", "M[130]"}) {
+    GrblModel board;
+    LineOptions options;
+    options.status_interval = 50ms;
+    Sending sending(board, numbered({lock, "G1 X2", "M0"}), options);
+    ASSERT_TRUE(sending.run_until("Hold:0"));
+    sending.run_for(500ms);
+    EXPECT_EQ(sending.sender.answered(), 2u);
+    EXPECT_LE(sending.sender.done(), 1u);
+  }
+}
+
 TEST(LineSender, the_time_of_a_line_of_the_host_counts_while_it_runs) {
   struct SlowLine final : HostLines {
     bool has(std::size_t index) const override { return index == 1; }

@@ -104,8 +104,9 @@ TEST_F(Attacks, form_post_that_needs_no_preflight) {
 }
 
 TEST_F(Attacks, path_that_leaves_the_folder) {
-  for (const char* name : {"../x.ngc", "..%2fx.ngc", "%2e%2e/x.ngc", "a/../../x.ngc", "", ".x.ngc",
-                           "/etc/passwd", "x.html", "x.sh", "x"})
+  for (const char* name :
+       {"../x.ngc", "..%2fx.ngc", "%2e%2e/x.ngc", "%252e%252e%252fx.ngc", "a%00.ngc",
+        "a/../../x.ngc", "", ".x.ngc", "/etc/passwd", "x.html", "x.sh", "x"})
     EXPECT_EQ(status(post(std::string("/files/") + name, host() + permit() + bytes(), "G0\n")), 422)
         << name;
   for (const char* target : {"/../page.html", "/page.html", "/etc/passwd", "/files/a.ngc/", "//"})
@@ -116,6 +117,11 @@ TEST_F(Attacks, path_that_leaves_the_folder) {
       call(
           R"({"jsonrpc":"2.0","id":1,"method":"job.check","params":{"name":"../../etc/passwd"}})"));
   EXPECT_THAT(reply.text, HasSubstr("no such file"));
+}
+
+TEST_F(Attacks, a_name_in_codes_is_a_name) {
+  EXPECT_EQ(status(post("/files/my%20part%28.ngc", host() + permit() + bytes(), "G0\n")), 201);
+  EXPECT_TRUE(std::filesystem::remove(server_->folder() / "my part(.ngc"));
 }
 
 TEST_F(Attacks, oversized) {

@@ -22,6 +22,7 @@ export class Jobs {
   #cloud;
   #picture = '';
   #settings = [];  // of the material library
+  #checked = {};   // name and revision of the file whose check is shown
   #checks = 0;     // the latest check; answers to earlier ones are dropped
 
   constructor(link, element, cloud, show_problem) {
@@ -74,7 +75,7 @@ export class Jobs {
 
   async #send(files) {
     for (const file of files) {
-      const reply = await fetch(`/files/${file.name}`, {
+      const reply = await fetch(`/files/${encodeURIComponent(file.name)}`, {
         method: 'POST', body: file,
         headers: { 'Authorization': `Bearer ${this.#link.token}`, 'Content-Type': 'application/octet-stream' },
       }).catch((error) => ({ ok: false, text: () => error.message }));
@@ -90,6 +91,7 @@ export class Jobs {
   }
 
   #show_nothing() {
+    this.#checked = {};
     this.#element('checked').textContent = '';
     this.#element('problems').replaceChildren();
     this.#element('picture').hidden = true;
@@ -132,12 +134,15 @@ export class Jobs {
     if (!result) return this.#show_nothing();
     if (result.material !== undefined) await this.#offer_materials(own);
     if (own !== this.#checks) return;
+    this.#checked = { name: this.name, revision: result.revision };
     const facts = [result.points ? text('job.points', result) : text('job.lines', result)];
     if (result.seconds !== undefined) facts.push(clock(result.seconds));
     if (result.bounds) {
       const [low, high] = result.bounds;
       const ranges = low.map((mm, i) => text('job.range', { axis: 'XYZA'[i], low: mm.toFixed(1), high: high[i].toFixed(1) }));
-      facts.push(text('job.ranges', { ranges: ranges.join(', ') }));
+      const lengths = result.rotary ? 3 : ranges.length;
+      facts.push(text('job.ranges', { ranges: ranges.slice(0, lengths).join(', ') }));
+      if (ranges.length > lengths) facts.push(text('job.turns', { range: ranges[lengths] }));
     }
     if (result.material) facts.push(text('job.values', result.material));
     this.#element('checked').textContent = facts.join('; ');
@@ -158,6 +163,8 @@ export class Jobs {
     this.#link.tell('job.start', {
       ...this.#file, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
       from: Number(this.#element('from').value),
+      // What was shown is what runs: the server refuses a file that was replaced since.
+      ...(this.#checked.name === this.name ? { revision: this.#checked.revision } : {}),
     });
   }
 

@@ -55,6 +55,7 @@ const link = new Link(take_token(), {
     show_problem('');
     element('login').hidden = true;
     element('board').textContent = login.simulated ? text('board.simulated', login) : login.board;
+    element('lines').textContent = '';  // the server sends them again
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
     records.list_macros();
