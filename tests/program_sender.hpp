@@ -32,8 +32,8 @@ inline Said kind_of(const std::string& line) {
        {std::regex("ALARM:[0-9]+"), Said::alarm},
        {std::regex(">.*:(ok|error:[0-9]+)"), Said::start_up},
        {std::regex("\\$(N[01]|[0-9]+)=.*"), Said::setting},
-       {std::regex(
-            "\\[(MSG|GC|HLP|VER|OPT|BOARD|G5[4-9]|G59\\.[123]|G28|G30|G92|TLO|ROT|TOOL|PRB):?.*\\]"),
+       {std::regex("\\[(MSG|GC|HLP|VER|OPT|BOARD|G5[4-9]|G59\\.[123]|G28|G30|G92|TLO|ROT|TOOL|PRB):"
+                   "?.*\\]"),
         Said::message}}};
   if (line == "Grbl 1.1h ['$' for help]") return Said::banner;
   for (const auto& [pattern, kind] : kinds)
