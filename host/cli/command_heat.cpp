@@ -196,8 +196,9 @@ void add_source(Command& app, HeatCommand& options) {
   add_number(app, "--power", &options.power_w, "Power of the beam; of a program: at full S", "W",
              group);
   add_number(app, "--beam", &options.beam_mm, "Diameter of a round beam at 1/e", "MM", group);
-  add_number(app, "--feed", &options.feed_mm_min, "Feed; without a program and --hold the beam rests by default",
-             "MM_MIN", group, false, feed_range);
+  add_number(app, "--feed", &options.feed_mm_min,
+             "Feed; without a program and --hold the beam rests by default", "MM_MIN", group, false,
+             feed_range);
   add_number(app, "--flux", &options.flux_w_m2, "Flux into the surface in place of a beam", "W_M2",
              group);
 }
