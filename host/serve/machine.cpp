@@ -82,6 +82,12 @@ bool Machine::runs_dry_job() const {
   return requests_ && view_.job.is_running && view_.job.is_dry;
 }
 
+void Machine::show_last(const JobView& job) {
+  show(fmt::format("job: {}: {}: {}", job.name, job.end, job.message));
+  const std::lock_guard lock(mutex_);
+  view_.job = job;
+}
+
 // Requests of the server.
 
 void Machine::stop() {

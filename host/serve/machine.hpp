@@ -79,6 +79,8 @@ class Machine {
   void end();
 
   MachineView view() const;
+  /// The last job of an earlier server, before any request.
+  void show_last(const JobView& job);
   /// A dry run that has begun on the board.
   bool runs_dry_job() const;
   /// Travel of the connected board by its own settings, mm of the machine; nothing before they were

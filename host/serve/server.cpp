@@ -1,5 +1,7 @@
 #include "host/serve/server.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -18,6 +20,7 @@
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 #include "host/serve/refusal.hpp"
+#include "host/serve/running_job.hpp"
 #include "host/serve/url_text.hpp"
 
 namespace lamplock::serve {
@@ -95,7 +98,8 @@ Server::Server(SiteOptions options, JobFolder folder)
       computations_(std::make_unique<Computations>()),
       clouds_(std::make_unique<Clouds>()),
       history_(
-          std::make_unique<History>(options_.library, options_.board, reports_, options_.note)) {
+          std::make_unique<History>(options_.library, options_.board, reports_, options_.note)),
+      running_job_(std::make_unique<RunningJob>(folder_.path())) {
   if (!options_.camera.empty()) camera_ = std::make_unique<Camera>(options_.camera);
   if (!options_.octoprint_key.empty())
     octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
@@ -104,10 +108,21 @@ Server::Server(SiteOptions options, JobFolder folder)
 
 Server::~Server() = default;
 
+void Server::use(WebServer& web, Machine& machine) {
+  web_ = &web;
+  machine_ = &machine;
+  std::optional<EndedJob> left = running_job_->take_left();
+  if (!left) return;
+  machine_->show_last(left->view);
+  options_.note(fmt::format("{}: {}", left->view.name, left->view.message));
+  history_->add({std::move(*left)});
+}
+
 void Server::end() {
   computations_->end();
   history_->add(machine_->take_ended());
   history_->end();
+  running_job_->end();
   logins_->end();
 }
 
@@ -343,6 +358,7 @@ void Server::tick() {
   logins_->poll();
   history_->add(machine_->take_ended());
   history_->poll();
+  running_job_->note(machine_->view().job, options_.now());
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
     if (client.secret.empty() && options_.now() - client.opened_at > login_time)

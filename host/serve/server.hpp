@@ -38,6 +38,7 @@ class Machine;
 class OctoPrint;
 struct Method;
 struct PageDocument;
+class RunningJob;
 
 struct SiteOptions {
   std::string board;
@@ -63,10 +64,7 @@ class Server final : public WebSite {
   Server& operator=(const Server&) = delete;
 
   /// To be called once, before the web server runs. The machine must end before the web server.
-  void use(WebServer& web, Machine& machine) {
-    web_ = &web;
-    machine_ = &machine;
-  }
+  void use(WebServer& web, Machine& machine);
   /// To be called after the web server has run and the machine has ended: drops calls that are not
   /// answered.
   void end();
@@ -188,6 +186,7 @@ class Server final : public WebSite {
   std::unique_ptr<Computations> computations_;
   std::unique_ptr<Clouds> clouds_;
   std::unique_ptr<History> history_;
+  std::unique_ptr<RunningJob> running_job_;
   std::unique_ptr<Camera> camera_;        ///< null: none
   std::unique_ptr<OctoPrint> octoprint_;  ///< null: not served
   Machine* machine_ = nullptr;

@@ -8,6 +8,7 @@
 #include <future>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/link/line_port.hpp"
 #include "host/serve/hashes.hpp"
 #include "host/serve/lent_transport.hpp"
@@ -76,7 +77,9 @@ RunningServer::RunningServer(const RunningOptions& options)
   site.octoprint_key = options.octoprint_key;
   site.camera = options.camera;
   if (!options.password.empty()) site.password_hash = password_hash(options.password);
-  server_ = std::make_unique<Server>(site, JobFolder(folder_));
+  const JobFolder folder(folder_);
+  if (!options.left_job.empty()) write_file(folder_ / ".running.json", options.left_job);
+  server_ = std::make_unique<Server>(site, folder);
   web_ = std::make_unique<WebServer>("127.0.0.1", 0, *server_, options.limits);
   const auto board = std::make_shared<PacedTransport>(
       run::make_board(run::virtual_board, "", laser_machine(), sim::WorldConfig{}));

@@ -31,6 +31,7 @@ struct RunningOptions {
   std::string password{};
   std::string octoprint_key{};
   std::string camera{};
+  std::string left_job{};  ///< file of a server that was killed (running_job.hpp)
 };
 
 class RunningServer {
