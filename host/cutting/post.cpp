@@ -35,6 +35,7 @@ class ProgramWriter {
   }
 
   std::string text() {
+    numbers_.moves.reserve(move_count());
     comment(frame_.title);
     write(PostEvent::begin);
     for (std::size_t i = 0; i < plan_.cuts.size(); ++i) {
@@ -54,6 +55,14 @@ class ProgramWriter {
   ProgramLines numbers() { return std::move(numbers_); }
 
  private:
+  /// Of one pass, with the ways to its strokes: a vector that grows would need twice the memory of
+  /// a large plan.
+  std::size_t move_count() const {
+    std::size_t count = 0;
+    for (const PlannedCut& cut : plan_.cuts)
+      for (const Stroke& stroke : cut.strokes) count += stroke.size() + 2;
+    return count;
+  }
   void write(PostEvent event) { lines_ += templates_.append(event, text_); }
   /// Writes a move to or along this edge of the plan.
   void write_move(PostEvent event, WrittenMove::Kind kind, const Edge& edge) {
