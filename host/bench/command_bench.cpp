@@ -19,7 +19,6 @@ namespace {
 
 using cli::Command;
 using cli::Console;
-using cli::file_name;
 using cli::Json;
 using cli::number_from;
 using cli::number_in;
@@ -266,7 +265,6 @@ void add_bench(Command& program) {
       .show_default()
       .value_name("N");
   app.add_option("--chart", &options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
-      .check(file_name())
       .value_name("FILE")
       .file(cli::FileUse::write);
   app.add_json(options->json, "Print the figures as JSON on stdout");

@@ -25,7 +25,6 @@ void add_plot(Command& app, run::PlotOptions& options, const char* group) {
   app.add_option("--plot", &options.file,
                  "Write a picture (SVG) of position, speed and acceleration over the beats of the "
                  "lamp; board virtual only")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write)
       .group(group);
@@ -165,7 +164,6 @@ void add_resume(Command& app, run::BoardOptions& options) {
       .common();
   app.add_option("--progress", &options.progress,
                  "Progress journal of the job on a real board; default: INPUT.progress")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".progress")
       .group(board_group);
@@ -197,31 +195,26 @@ void add_job_run(Command& app, run::BoardOptions& options) {
   app.add_option(
          "--report", &options.report,
          "Write report.html, report.json, shots.csv, shots.ply and cloud.png to this folder")
-      .check(file_name())
       .value_name("DIR")
       .file(FileUse::write_report)
       .group(board_group)
       .common();
   app.add_option("--statistics", &options.statistics,
                  "Append a line about the job to this CSV file")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".csv")
       .group(board_group);
   app.add_option("--vcd", &options.vcd,
                  "Write a trace of all pins of a simulated board (VCD, for GTKWave)")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".vcd")
       .group(board_group);
   app.add_option("--shots", &options.shots, "Write the laser shots of a simulated board (CSV)")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".csv")
       .group(board_group);
   app.add_option("--timing", &options.timing,
                  "Write how many cycles each function of the firmware takes; board chip only")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".txt")
       .group(board_group);

@@ -141,7 +141,6 @@ void add_check(Command& program) {
   app.add_option("--tools", &options->tools,
                  "Tool table of the machine for G43 H, G41 D and T: lines G10 L1 P Z R, or the "
                  "answer of the board to $#; default: no tools")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::read)
       .group("Machine");
@@ -149,7 +148,6 @@ void add_check(Command& program) {
   add_user_commands(app, options->user_commands);
   app.add_option("--picture", &options->picture,
                  "Write a picture (SVG) of the path, coloured by laser power")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write);
   app.add_option("--max-problems", &options->max_problems, "Stop after this number of wrong lines")

@@ -186,7 +186,6 @@ void add_choices(Command& app, CutOptions& options, std::vector<glass::Parameter
 void add_files(Command& app, CutOptions& options) {
   app.add_option("-o,--output", &options.request.output, "G-code program to write")
       .value_name("FILE.ngc")
-      .check(file_name())
       .file(FileUse::write)
       .common();
   app.add_option("--list", &options.list,
@@ -195,24 +194,20 @@ void add_files(Command& app, CutOptions& options) {
   app.add_option("--picture", &options.request.picture,
                  "Write a picture (SVG) of what is cut: order, kerf, leads, tabs, rapids")
       .value_name("FILE.svg")
-      .check(file_name())
       .file(FileUse::write)
       .common();
   app.add_option("--page", &options.request.page,
                  "Write a page (HTML) that plays the plan over time and lists the time of each cut")
       .value_name("FILE.html")
-      .check(file_name())
       .file(FileUse::write)
       .common();
   app.add_option("--save", &options.request.save,
                  "Save the options of this command as a description, to run it again")
       .value_name("FILE.toml")
-      .check(file_name())
       .file(FileUse::write);
   app.add_option("--library", &options.request.library,
                  "Material library; default: that of lamplock material")
       .value_name("FILE")
-      .check(file_name())
       .file(FileUse::read);
 }
 
@@ -254,7 +249,6 @@ void add_cut(Command& program) {
   app.add_option("--report", &options->report,
                  "Write report.html and report.json of the run to this folder: the page of --page, "
                  "the time and the end of the run")
-      .check(file_name())
       .value_name("DIR")
       .file(FileUse::write_report)
       .group("Board");

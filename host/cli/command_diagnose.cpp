@@ -90,7 +90,6 @@ void add_diagnose(Command& program) {
   app.add_option("--picture", &options->picture,
                  "Write a picture (SVG) of the programmed and the measured path, and of the errors "
                  "of each axis over time")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write);
   app.add_json(options->json);

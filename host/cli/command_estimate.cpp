@@ -11,7 +11,6 @@
 #include "host/cli/console.hpp"
 #include "host/cli/engraving_options.hpp"
 #include "host/cli/origin.hpp"
-#include "host/cli/validators.hpp"
 #include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 #include "host/run/estimate_job.hpp"
@@ -84,7 +83,6 @@ void add_estimate(Command& program) {
   add_origin(app, options->estimate.request.origin);
   app.add_option("--page", &options->estimate.page, "Write a page (HTML) that shows the job")
       .common()
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".html");
   app.add_json(options->json);

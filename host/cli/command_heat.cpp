@@ -167,12 +167,10 @@ void add_material(Command& app, HeatCommand& options) {
   app.add_option("--library", &options.library,
                  "Material library; default: that of lamplock material")
       .value_name("FILE")
-      .check(file_name())
       .file(FileUse::read);
   app.add_option("--materials", &options.materials,
                  "Take the material from this file of records (TOML), not from the library")
       .value_name("FILE.toml")
-      .check(file_name())
       .file(FileUse::read);
   add_number(app, "--thickness", &options.thickness_mm,
              "Thickness of the workpiece; default: so thick that its rear side stays cold", "MM",
@@ -269,12 +267,10 @@ void add_heat(Command& program) {
   add_material(app, *options);
   add_source(app, *options);
   app.add_option("--csv", &options->csv, "Write temperature and heating rate per node and time")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".csv")
       .common();
   app.add_option("--picture", &options->picture, "Write a picture (SVG)")
-      .check(file_name())
       .value_name("FILE.svg")
       .file(FileUse::write)
       .common();

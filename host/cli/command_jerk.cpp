@@ -160,11 +160,7 @@ void add_axis_limits(Command& app, JerkOptions& options) {
 void add_outputs(Command& app, JerkOptions& options) {
   const auto file = [&app](const char* name, std::string& value, const char* text,
                            const char* ending) {
-    app.add_option(name, &value, text)
-        .check(file_name())
-        .value_name("FILE")
-        .file(FileUse::write, ending)
-        .common();
+    app.add_option(name, &value, text).value_name("FILE").file(FileUse::write, ending).common();
   };
   file("-o,--output", options.output, "Write the program (G-code) with a feed for each piece", "");
   file("--points", options.points, "Write the intermediate points (CSV)", ".csv");

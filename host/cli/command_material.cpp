@@ -274,7 +274,6 @@ void add_exchange(Command& app, const Options& options) {
                                 export_file);
   export_command.add_option("FILE", &options->file, "File to write")
       .required()
-      .check(file_name())
       .file(FileUse::write, ".toml");
   export_command
       .add_option("--material", &options->words,
@@ -289,7 +288,6 @@ void add_exchange(Command& app, const Options& options) {
 void add_library(Command& app, std::string& library) {
   app.add_option("--library", &library,
                  "File of the material library; default: lamplock/library.db in XDG_DATA_HOME")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write);
 }

@@ -118,13 +118,11 @@ void add_material_card(Command& app) {
   sub.add_option("NAME", &options->material, "Name of the material").required();
   sub.add_option("-o,--output", &options->output, "G-code program to write")
       .required()
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write)
       .common();
   sub.add_option("--sheet", &options->sheet,
                  "Sheet (TOML) to write; default: the name of the program with .toml")
-      .check(file_name())
       .value_name("FILE")
       .file(FileUse::write, ".toml")
       .common();

@@ -224,7 +224,6 @@ void add_measure(Command& app, const CutsPointer& options) {
       measure);
   const Option& card = sub.add_option("--card", &options->card,
                                       "Sheet of a test card with the measured figures: store them")
-                           .check(file_name())
                            .value_name("FILE")
                            .file(FileUse::read);
   sub.add_option("--feed", &options->request.feed_mm_min, "Feed of the cut")

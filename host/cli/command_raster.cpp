@@ -138,7 +138,6 @@ void add_raster(Command& program) {
   app.add_option(
          "--gcode", &options->gcode,
          "Write the same rows as G-code for any grbl board, one line for each change of power")
-      .check(file_name())
       .value_name("FILE.ngc")
       .file(FileUse::write)
       .common();

@@ -12,7 +12,6 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/process_options.hpp"
 #include "host/cli/program_document.hpp"
-#include "host/cli/validators.hpp"
 #include "host/run/event_stream.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/program_events.hpp"
@@ -155,7 +154,6 @@ void add_send(Command& program) {
                  "Programs: write each executed block as a line of JSON to a file, a pipe or "
                  "stdout (-) as soon as the board reports it")
       .value_name("PATH")
-      .check(file_name())
       .file(FileUse::write)
       .group("Board");
   add_machine(app, options->program.machine);
@@ -166,7 +164,6 @@ void add_send(Command& program) {
          "Programs: folder in which (probeopen NAME) writes the places of contacts; without "
          "it no log is written")
       .value_name("FOLDER")
-      .check(file_name())
       .file(FileUse::folder)
       .group("Board");
   app.action([options, &program] {

@@ -9,7 +9,6 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/parameter_options.hpp"
-#include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
@@ -68,7 +67,6 @@ void EngravingOptions::add(Command& app, bool input_required) {
 void EngravingOptions::add_save(Command& app) {
   app.add_option("--save", &save_,
                  "Save the options of this command as a job description, to run it again")
-      .check(file_name())
       .value_name("FILE.toml")
       .file(FileUse::write)
       .common();

@@ -28,7 +28,6 @@ void add_process(Command& app, run::ProcessChoice& choice) {
   app.add_option("--library", &choice.library,
                  "Material library; default: that of lamplock material")
       .value_name("FILE")
-      .check(file_name())
       .file(FileUse::read)
       .group(group);
 }
@@ -38,7 +37,6 @@ void add_user_commands(Command& app, std::string& folder) {
                  "Permit M100 to M199: at rest, the host runs the program of this name in the "
                  "folder with P and Q as arguments")
       .value_name("FOLDER")
-      .check(file_name())
       .file(FileUse::folder)
       .group("Board");
 }

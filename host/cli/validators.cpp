@@ -26,10 +26,6 @@ Check number_from(double low, bool included) {
   return number_in({low, std::numeric_limits<double>::infinity(), included});
 }
 
-Check file_name() {
-  return {[](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); }};
-}
-
 Check one_of(std::vector<std::string> names) {
   const auto refusal = [names](const std::string& text) -> std::string {
     if (std::find(names.begin(), names.end(), text) != names.end()) return "";

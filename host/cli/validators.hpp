@@ -17,9 +17,6 @@ Check number_in(const glass::Range& range);
 /// Accepts finite numbers greater than `low`, or from `low` on.
 Check number_from(double low, bool included);
 
-/// Accepts all names of files but the empty one.
-Check file_name();
-
 /// Accepts one of these names.
 Check one_of(std::vector<std::string> names);
 

@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,6 +50,9 @@ struct Piece {
   std::size_t move = 0;  ///< number of its move, from 0: several pieces of a row are one move
 };
 
+/// A deque: a vector that grows would hold the pieces of a long program twice.
+using Pieces = std::deque<Piece>;
+
 /// Lowest and highest position of each axis.
 struct Bounds {
   PerAxis<double> low{}, high{};
@@ -75,7 +79,7 @@ struct ProgramRun {
   Bounds bounds;        ///< of all moves, with the start
   std::vector<Problem> problems;
   std::vector<std::string> ignored;  ///< words without effect, each once
-  std::vector<Piece> pieces;
+  Pieces pieces;
   /// Seconds from the begin of the program to the end of each move, with dwells; exact to some
   /// 20 ms, a batch of the planner. Of programs on the beat: in motion only.
   std::vector<double> move_ends_s;

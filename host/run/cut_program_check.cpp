@@ -18,6 +18,7 @@ namespace {
 
 using cutting::MachineType;
 using program_run::Piece;
+using program_run::Pieces;
 using program_run::ProgramRun;
 
 constexpr std::size_t axis_x = 0, axis_y = 1, axis_z = 2;
@@ -160,7 +161,7 @@ struct LitPath {
   double length_mm = 0;
 };
 
-LitPath lit_path_of(const std::vector<Piece>& pieces, std::size_t& next, std::size_t end_line) {
+LitPath lit_path_of(const Pieces& pieces, std::size_t& next, std::size_t end_line) {
   LitPath path;
   for (; next < pieces.size() && pieces[next].line < end_line; ++next) {
     const Piece& piece = pieces[next];

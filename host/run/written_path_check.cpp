@@ -17,6 +17,7 @@ using cutting::PostValue;
 using cutting::Vec;
 using cutting::WrittenMove;
 using program_run::Piece;
+using program_run::Pieces;
 
 constexpr std::size_t axis_x = 0, axis_y = 1, axis_z = 2;
 /// Feeds and powers are written with three decimals.
@@ -213,7 +214,7 @@ class PathComparison {
   /// Radians; another turn of the same arc differs by a whole one.
   static constexpr double max_turn = 1, degrees = 57.29577951308232;
 
-  const std::vector<Piece>& pieces_;
+  const Pieces& pieces_;
   const WrittenProgram& program_;
   const std::string& where_;
   const MachineType machine_;

@@ -18,6 +18,7 @@ namespace lamplock::test {
 namespace {
 
 using program_run::Piece;
+using program_run::Pieces;
 using testing::HasSubstr;
 
 settings::Values laser_settings() {
@@ -32,7 +33,7 @@ std::string text_of(const std::vector<link::ProgramLine>& lines) {
   return text;
 }
 
-std::vector<Piece> pieces_of(const std::string& text) {
+Pieces pieces_of(const std::string& text) {
   const auto run = program_run::run_program(text, laser_settings(), 10);
   for (const auto& problem : run.problems)
     ADD_FAILURE() << problem.line << ": " << problem.text << "\n" << text;
@@ -68,7 +69,7 @@ std::string random_program(std::mt19937_64& random, int lines) {
   return text;
 }
 
-void expect_same(const std::vector<Piece>& all, const std::vector<Piece>& part) {
+void expect_same(const Pieces& all, const Pieces& part) {
   // The part's pieces equal those at the end of the whole program.
   ASSERT_GE(all.size(), part.size());
   for (std::size_t i = 0; i < part.size(); ++i) {
@@ -93,8 +94,7 @@ TEST(ProgramParts, BeginInTheMiddleAsIfTheyHadRunFromTheBeginning) {
         std::find_if(pieces.begin(), pieces.end(), [](const Piece& piece) { return !piece.rapid; });
     // The approach is dark; it need not be shorter than the omitted part.
     for (auto piece = pieces.begin(); piece != rest; ++piece) EXPECT_EQ(piece->power, 0);
-    ASSERT_NO_FATAL_FAILURE(
-        expect_same(pieces_of(text_of(lines)), std::vector<Piece>(rest, pieces.end())));
+    ASSERT_NO_FATAL_FAILURE(expect_same(pieces_of(text_of(lines)), Pieces(rest, pieces.end())));
   }
 }
 

@@ -169,13 +169,13 @@ Reply ask_for_picture(const RunningServer& server) {
                                             server.port(), token));
 }
 
-/// The answer with this text, or the last one after 4 s.
+/// The answer with this text, or the last one.
 Reply wait_for(const RunningServer& server, const std::string& text) {
-  Reply reply = ask_for_picture(server);
-  for (int tries = 0; tries < 80 && reply.text.find(text) == std::string::npos; ++tries) {
-    std::this_thread::sleep_for(50ms);
+  Reply reply;
+  comes_true([&] {
     reply = ask_for_picture(server);
-  }
+    return reply.text.find(text) != std::string::npos;
+  });
   return reply;
 }
 
@@ -193,14 +193,12 @@ TEST(Camera, OfTheNetworkIsReadWhilePagesAskForIt) {
   EXPECT_EQ(server.client("client").call("camera.get")["result"]["camera"], true);
 }
 
-/// Asks for pictures until this is true, for at most 4 s.
+/// Asks for pictures until this is true.
 bool ask_until(Camera& camera, const std::function<bool()>& is_true) {
-  for (int tries = 0; tries < 400; ++tries) {
+  return comes_true([&] {
     static_cast<void>(camera.picture());
-    if (is_true()) return true;
-    std::this_thread::sleep_for(10ms);
-  }
-  return false;
+    return is_true();
+  });
 }
 
 TEST(Camera, IsNotReadAnyMoreWhenNoPageAsks) {

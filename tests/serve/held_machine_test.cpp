@@ -16,20 +16,10 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing::HasSubstr;
 
-bool is_held(const RunningServer& server) {
-  for (int tries = 0; tries < 250; ++tries) {
-    if (server.machine().view().board.state.starts_with("Hold")) return true;
-    std::this_thread::sleep_for(20ms);
-  }
-  return false;
-}
-
 /// Only a paired client continues what may have the laser on; a dry run that has not begun is no
 /// way around that.
 TEST(HeldMachine, is_not_resumed_by_a_dry_run_of_an_unpaired_client) {
-  RunningOptions options;
-  options.is_simulated = false;
-  RunningServer server(options);
+  RunningServer server({.is_simulated = false});
   server.add_file("dry.ngc", "G21G91\nG1X1F3000\n");
   {
     RawClient paired = server.controller();
@@ -37,7 +27,7 @@ TEST(HeldMachine, is_not_resumed_by_a_dry_run_of_an_unpaired_client) {
     EXPECT_EQ(error_of(paired.call("console.send", {{"line", "G21G91M3S500G1X40F300"}})), "");
     ASSERT_TRUE(server.wait_for_state("Run"));
     paired.call("machine.hold");
-    ASSERT_TRUE(is_held(server));
+    ASSERT_TRUE(server.wait_for_state("Hold"));
     paired.call("control.release");
   }
   RawClient other = server.client("other");
@@ -74,12 +64,10 @@ TEST(Positions, are_in_mm_of_a_machine_that_reports_inches) {
   RawClient client = server.controller();
   client.call("console.send", {{"line", "G21G90G0X5"}});
   const auto is_at = [&](double x) {
-    for (int tries = 0; tries < 100; ++tries) {
+    return comes_true([&] {
       const BoardView board = server.machine().view().board;
-      if (board.state == "Idle" && std::abs(board.machine_mm.at(0) - x) < 0.01) return true;
-      std::this_thread::sleep_for(20ms);
-    }
-    return false;
+      return board.state == "Idle" && std::abs(board.machine_mm.at(0) - x) < 0.01;
+    });
   };
   ASSERT_TRUE(is_at(5));
   EXPECT_EQ(error_of(client.call("settings.set", {{"changes", {{"report_inches", 1}}}})), "");

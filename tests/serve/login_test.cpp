@@ -62,9 +62,7 @@ TEST(Hashes, of_styles_are_those_of_sha_256) {
 }
 
 TEST(Logins, give_a_token_for_the_password) {
-  RunningOptions options;
-  options.password = password;
-  RunningServer server(options);
+  RunningServer server({.password = password});
   const Reply reply = login(server, password);
   ASSERT_EQ(reply.status, 200);
   const std::string session = Json::parse(reply.text.substr(reply.text.find('{')))["token"];
@@ -82,9 +80,7 @@ TEST(Logins, give_a_token_for_the_password) {
 }
 
 TEST(Logins, are_limited) {
-  RunningOptions options;
-  options.password = password;
-  RunningServer server(options);
+  RunningServer server({.password = password});
   for (int i = 0; i < 5; ++i) EXPECT_EQ(login(server, "wrong password").status, 401);
   EXPECT_EQ(login(server, "wrong password").status, 429);
   EXPECT_EQ(login(server, password).status, 429) << "also the right one";

@@ -19,10 +19,7 @@ using testing::HasSubstr;
 constexpr const char* api_key = "fedcba9876543210fedcba9876543210";
 
 RunningOptions with_key(bool is_simulated = true) {
-  RunningOptions options;
-  options.is_simulated = is_simulated;
-  options.octoprint_key = api_key;
-  return options;
+  return {.is_simulated = is_simulated, .octoprint_key = api_key};
 }
 
 /// A program with a key.

@@ -104,9 +104,7 @@ TEST(Zero, moves_the_work_coordinates) {
 }
 
 TEST(Pairing, a_real_board_fires_only_for_paired_clients) {
-  RunningOptions options;
-  options.is_simulated = false;
-  RunningServer server(options);
+  RunningServer server({.is_simulated = false});
   server.add_file("cut.ngc", "G21\nG1X1F3000\n");
   RawClient client = server.controller();
   const Json start{{"name", "cut.ngc"}};

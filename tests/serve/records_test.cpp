@@ -13,11 +13,10 @@ using testing::HasSubstr;
 /// The history when it has this many jobs; they are written a moment after their end.
 Json history_of(RawClient& client, std::size_t jobs) {
   Json history;
-  for (int tries = 0; tries < 100; ++tries) {
+  comes_true([&] {
     history = client.call("history.list")["result"];
-    if (history.size() >= jobs) break;
-    std::this_thread::sleep_for(20ms);
-  }
+    return history.size() >= jobs;
+  });
   return history;
 }
 

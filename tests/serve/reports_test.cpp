@@ -63,12 +63,13 @@ TEST(AlonePolicy, permits_the_script_and_style_of_its_document) {
 
 /// The name of the report of the only job in the history.
 std::string report_of_job(RawClient& client) {
-  for (int tries = 0; tries < 100; ++tries) {
+  std::string name;
+  comes_true([&] {
     const Json history = client.call("history.list")["result"];
-    if (!history.empty() && history[0]["report"].is_string()) return history[0]["report"];
-    std::this_thread::sleep_for(20ms);
-  }
-  return "";
+    if (!history.empty() && history[0]["report"].is_string()) name = history[0]["report"];
+    return !name.empty();
+  });
+  return name;
 }
 
 TEST(History, has_the_report_of_a_job_of_points) {
@@ -108,11 +109,11 @@ TEST(History, has_the_report_of_a_job_of_points) {
 /// The history when it has this many jobs that have reports; they are written after their end.
 Json reported(RawClient& client, std::size_t jobs) {
   Json history;
-  for (int tries = 0; tries < 100; ++tries, std::this_thread::sleep_for(20ms)) {
+  comes_true([&] {
     history = client.call("history.list")["result"];
     const auto has_report = [](const Json& job) { return job["report"].is_string(); };
-    if (history.size() == jobs && std::ranges::all_of(history, has_report)) break;
-  }
+    return history.size() == jobs && std::ranges::all_of(history, has_report);
+  });
   return history;
 }
 
@@ -155,8 +156,7 @@ TEST(History, has_a_report_of_each_program_also_of_one_second) {
   EXPECT_TRUE(server.wait_for_state("Idle"));
   client.call("job.start", {{"name", "wrong.ngc"}});
   EXPECT_EQ(server.wait_for_end(), "failed");
-  for (int tries = 0; tries < 50 && client.call("history.list")["result"].size() < 4; ++tries)
-    std::this_thread::sleep_for(20ms);
+  EXPECT_TRUE(comes_true([&] { return client.call("history.list")["result"].size() == 4; }));
   EXPECT_EQ(client.call("history.list")["result"][0]["report"], Json());
 }
 

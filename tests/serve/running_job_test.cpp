@@ -72,10 +72,9 @@ TEST(RunningJob, leaves_nothing_when_it_has_ended) {
 }
 
 TEST(RunningJob, is_shown_and_kept_by_the_next_server) {
-  RunningOptions options;
-  options.left_job =
-      R"({"name":"part.ngc","dry":false,"done":120,"total":400,"begin":1700000000,"seen":1700000060})";
-  RunningServer server(options);
+  RunningServer server(
+      {.left_job =
+           R"({"name":"part.ngc","dry":false,"done":120,"total":400,"begin":1700000000,"seen":1700000060})"});
   RawClient client = server.controller();
   client.call("subscribe");
   client.watch(200ms);

@@ -126,20 +126,12 @@ RawClient RunningServer::start(const std::string& name, const std::string& text)
 }
 
 bool RunningServer::wait_for_state(const std::string& state) const {
-  for (const auto until = now_us() + 10'000'000; now_us() < until;) {
-    if (machine_->view().board.state == state) return true;
-    std::this_thread::sleep_for(2ms);
-  }
-  return false;
+  return comes_true([&] { return machine_->view().board.state.starts_with(state); });
 }
 
 std::string RunningServer::wait_for_end() const {
-  for (const auto until = now_us() + 20'000'000; now_us() < until;) {
-    const JobView job = machine_->view().job;
-    if (!job.is_running) return job.end;
-    std::this_thread::sleep_for(5ms);
-  }
-  return "";
+  return comes_true([&] { return !machine_->view().job.is_running; }) ? machine_->view().job.end
+                                                                      : "";
 }
 
 }  // namespace lamplock::serve::test

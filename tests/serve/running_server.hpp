@@ -34,6 +34,17 @@ struct RunningOptions {
   std::string left_job{};  ///< file of a server that was killed (running_job.hpp)
 };
 
+/// Whether a condition becomes true in 20 s.
+template <typename Condition>
+bool comes_true(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
 class RunningServer {
  public:
   explicit RunningServer(const RunningOptions& options = {});
@@ -52,9 +63,9 @@ class RunningServer {
   const std::filesystem::path& folder() const { return folder_; }
   /// Puts a file into the folder of jobs.
   void add_file(const std::string& name, const std::string& text) const;
-  /// Waits until the board has reported this state; false after 10 s.
+  /// Waits until the board has reported a state that begins so; false after 20 s.
   bool wait_for_state(const std::string& state) const;
-  /// Waits until the job has ended; its end.
+  /// Waits until the job has ended; its end, empty after 20 s.
   std::string wait_for_end() const;
 
  private:

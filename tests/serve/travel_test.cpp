@@ -12,14 +12,12 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-/// Whether the area gets this side in X, in 3 s.
+/// Whether the area gets this side in X.
 bool has_side(RawClient& client, double low, double high) {
-  for (int tries = 0; tries < 150; ++tries) {
+  return comes_true([&] {
     const Json area = client.call("machine.area")["result"];
-    if (area[0][0] == low && area[1][0] == high) return true;
-    std::this_thread::sleep_for(20ms);
-  }
-  return false;
+    return area[0][0] == low && area[1][0] == high;
+  });
 }
 
 TEST(Travel, is_that_of_the_board) {
@@ -57,21 +55,14 @@ TEST(Travel, limits_a_motion_to_a_place) {
   EXPECT_EQ(go({{"x", 1}}), "");
 }
 
-/// Whether the machine comes to a place of X in 5 s.
+/// Whether the machine comes to a place of X.
 bool comes_to(const RunningServer& server, double x) {
-  for (int tries = 0; tries < 250; ++tries) {
-    if (std::abs(server.machine().view().board.machine_mm.at(0) - x) < 0.01) return true;
-    std::this_thread::sleep_for(20ms);
-  }
-  return false;
+  return comes_true(
+      [&] { return std::abs(server.machine().view().board.machine_mm.at(0) - x) < 0.01; });
 }
 
 bool waits_for_tool(const RunningServer& server) {
-  for (int tries = 0; tries < 250; ++tries) {
-    if (server.machine().view().job.word == "tool change") return true;
-    std::this_thread::sleep_for(20ms);
-  }
-  return false;
+  return comes_true([&] { return server.machine().view().job.word == "tool change"; });
 }
 
 TEST(ToolChange, steps_move_the_machine_and_the_program_continues) {
