@@ -6,6 +6,8 @@
 #include <chrono>
 
 #include "host/duration_text.hpp"
+#include "host/run/run_program.hpp"
+#include "host/run/send_job.hpp"
 #include "host/svg.hpp"
 #include "shared/units.hpp"
 #include "shared/work_space.hpp"

@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "host/material/job_history.hpp"
-#include "host/run/run_program.hpp"
-#include "host/run/send_job.hpp"
 #include "host/serve/shown_path.hpp"
+
+namespace lamplock::run {
+struct ProgramOutcome;
+struct SentJob;
+}  // namespace lamplock::run
 
 namespace lamplock::serve {
 
