@@ -9,6 +9,7 @@ namespace lamplock {
 inline constexpr double milli_per_unit = 1000.0;
 inline constexpr double mm_s2_per_m_s2 = 1000.0;
 inline constexpr double mm_min_per_m_s = 60'000.0;
+inline constexpr double mm_per_inch = 25.4;
 
 /// A setting in its unit.
 inline double in_units(const settings::Values& values, settings::Id id) {

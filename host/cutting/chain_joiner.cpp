@@ -75,8 +75,6 @@ class Joiner {
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  /// The ends at both sides of a chain that is a part of its gap are not at one place, either.
-  static constexpr double min_loop = min_loop_gaps;
   static constexpr double reach_step = 8;
 
   struct Candidate {
@@ -109,11 +107,11 @@ class Joiner {
   bool may_join(std::size_t a, std::size_t b, double gap_mm) const {
     if (chains_[a / 2].layer != chains_[b / 2].layer) return false;
     return a / 2 != b / 2 ||
-           (chains_[a / 2].edges.size() > 1 && lengths_[a / 2] > min_loop * gap_mm);
+           (chains_[a / 2].edges.size() > 1 && lengths_[a / 2] > min_loop_gaps * gap_mm);
   }
   bool are_at_one_place(std::size_t a, std::size_t b, double gap_mm) const {
     return chains_[a / 2].layer == chains_[b / 2].layer &&
-           min_loop * gap_mm <= std::min(lengths_[a / 2], lengths_[b / 2]);
+           min_loop_gaps * gap_mm <= std::min(lengths_[a / 2], lengths_[b / 2]);
   }
 
   /// Joins ends without a partner that are nearer than `reach_mm`, and finds which ends are at one
@@ -166,7 +164,7 @@ class Joiner {
   /// between its ends.
   bool join_ways(std::size_t a, std::size_t b) {
     const std::size_t first = ways_.find(a / 2), second = ways_.find(b / 2);
-    if (first == second) return way_lengths_[first] > min_loop * distance(place(a), place(b));
+    if (first == second) return way_lengths_[first] > min_loop_gaps * distance(place(a), place(b));
     const double length = way_lengths_[first] + way_lengths_[second];
     ways_.join(first, second);
     way_lengths_[ways_.find(first)] = length;
@@ -234,7 +232,8 @@ class Joiner {
       length += lengths_[start / 2];
       edges += chains_[start / 2].edges.size();
     }
-    return edges > 1 && length > min_loop * distance(place(loop.back() ^ 1), place(loop.front()));
+    return edges > 1 &&
+           length > min_loop_gaps * distance(place(loop.back() ^ 1), place(loop.front()));
   }
 
   /// With the number of its first chain.

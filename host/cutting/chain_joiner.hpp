@@ -15,7 +15,8 @@ namespace lamplock::cutting {
 /// A contour with the number of its first chain.
 using JoinedChain = std::pair<std::size_t, Contour>;
 
-/// A chain shorter than so many gaps is a part of the gap: it is not closed over it.
+/// A chain shorter than so many gaps is a part of the gap: it is not closed over it, and the ends
+/// at both sides of it are not at one place.
 inline constexpr double min_loop_gaps = 4;
 
 /// Joins open chains of one layer whose ends are nearer than the tolerance. A closed gap that is

@@ -151,17 +151,13 @@ class Planner {
     }
     try {
       return cut_path(as_cut(contour, step), options, sheet);
-    } catch (const LeadError& error) {
+    } catch (const Error& error) {
       std::optional<LeadError> other;
       if (auto stroke = path_elsewhere(contour, step, options, sheet, other))
         return std::move(*stroke);
       // No lead fits here, but a smaller one at another point.
-      if (error.fitting_mm() == 0 && other) throw LeadError(*other);
-      throw;
-    } catch (const Error&) {
-      std::optional<LeadError> other;
-      if (auto stroke = path_elsewhere(contour, step, options, sheet, other))
-        return std::move(*stroke);
+      const auto* const of_lead = dynamic_cast<const LeadError*>(&error);
+      if (of_lead != nullptr && of_lead->fitting_mm() == 0 && other) throw LeadError(*other);
       throw;
     }
   }

@@ -8,35 +8,23 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/gcode_comments.hpp"
 #include "host/letter_case.hpp"
 
 namespace lamplock::cutting {
 namespace {
 
-bool is_letter(char c) { return upper_case(c) >= 'A' && upper_case(c) <= 'Z'; }
+bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
 
 struct DarkWord {
   char letter = 0;
   std::optional<double> number{};  ///< empty: an expression, or a parameter
 };
 
-/// The text of a line without comments.
-std::string plain_text(std::string_view line) {
-  std::string text;
-  bool in_comment = false;
-  for (const char c : line) {
-    if (c == ';' && !in_comment) break;
-    if (c == '(') in_comment = true;
-    if (!in_comment) text += c == '\t' ? ' ' : upper_case(c);
-    if (c == ')') in_comment = false;
-  }
-  return text;
-}
-
 /// Controllers differ in what "S0 5", "S0,5" and "S1=5" mean.
 std::optional<double> number_at(std::string_view text, std::size_t at) {
   const auto skip_blanks = [&] {
-    while (at < text.size() && text[at] == ' ') ++at;
+    while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
   };
   skip_blanks();
   const bool is_negative = at < text.size() && text[at] == '-';
@@ -55,7 +43,7 @@ std::optional<double> number_at(std::string_view text, std::size_t at) {
 
 /// Words of one letter. Text of several letters is the name of a command, or of its values.
 std::vector<DarkWord> dark_words_of(std::string_view line) {
-  const std::string text = plain_text(line);
+  const std::string text = in_upper_case(without_comments(line));
   std::vector<DarkWord> words;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool is_in_name =

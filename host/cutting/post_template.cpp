@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "host/gcode_comments.hpp"
 #include "host/letter_case.hpp"
 
 namespace lamplock::cutting {
@@ -30,21 +31,14 @@ std::uint32_t fixed_values(std::string_view line) {
                                        {'Z', PostValue::z},
                                        {'F', PostValue::feed},
                                        {'S', PostValue::power}}};
+  const std::string text = in_upper_case(without_comments(line));
   std::uint32_t fixed = 0;
-  char until = 0;  // end of a comment or of a value
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (until != 0) {
-      if (c == until) until = 0;
-      continue;
-    }
-    if (c == ';') break;
-    if (c == '(' || c == '{') until = c == '(' ? ')' : '}';
+  for (std::size_t i = 0; i < text.size(); ++i) {
     for (const Word& word : words) {
-      if (upper_case(c) != word.letter) continue;
-      const std::size_t next = line.find_first_not_of(' ', i + 1);
+      if (text[i] != word.letter) continue;
+      const std::size_t next = text.find_first_not_of(' ', i + 1);
       constexpr std::string_view numbers = "0123456789.+-";
-      if (next != std::string_view::npos && numbers.find(line[next]) != std::string_view::npos)
+      if (next != std::string::npos && numbers.find(text[next]) != std::string_view::npos)
         fixed |= std::uint32_t{1} << static_cast<std::size_t>(word.value);
     }
   }

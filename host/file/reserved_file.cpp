@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <utility>
 
-#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/output_error.hpp"
 
@@ -56,7 +55,7 @@ void ReservedFile::write(std::string_view text) {
   if (!error) fs::rename(staged_, target_, error);
   if (!error) return;
   if (error != std::errc::no_such_file_or_directory) throw OutputError(target_, error.value());
-  write_whole(target_, [text](const fs::path& path) { write_file(path, text); });
+  write_whole(target_, text);
 }
 
 }  // namespace lamplock

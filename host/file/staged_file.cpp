@@ -128,4 +128,8 @@ void write_whole(const fs::path& target, const std::function<void(const fs::path
   file.commit();
 }
 
+void write_whole(const fs::path& target, std::string_view bytes) {
+  write_whole(target, [bytes](const fs::path& path) { write_file(path, bytes); });
+}
+
 }  // namespace lamplock

@@ -53,5 +53,6 @@ void check_target(const std::filesystem::path& target);
 /// Writes a file by `write`, which is given the path to use and throws Error if it cannot.
 void write_whole(const std::filesystem::path& target,
                  const std::function<void(const std::filesystem::path&)>& write);
+void write_whole(const std::filesystem::path& target, std::string_view bytes);
 
 }  // namespace lamplock

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/gcode_comments.hpp"
 #include "host/letter_case.hpp"
 #include "host/text.hpp"
 #include "shared/wire/framing.hpp"
@@ -18,20 +19,6 @@ namespace lamplock::link {
 namespace {
 
 constexpr char del = 0x7F;
-
-/// As in the firmware, a bracket that is not closed makes the rest of the line a comment.
-std::string without_comments(std::string_view line) {
-  std::string result;
-  while (!line.empty()) {
-    const auto start = line.find_first_of("(;");
-    result += line.substr(0, start);
-    if (start == std::string_view::npos || line[start] == ';') break;
-    const auto end = line.find(')', start);
-    if (end == std::string_view::npos) break;
-    line.remove_prefix(end + 1);
-  }
-  return result;
-}
 
 /// The number after a letter, with optional white space between them.
 std::optional<double> number_at(std::string_view text) {

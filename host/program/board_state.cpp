@@ -10,13 +10,13 @@
 #include "host/error.hpp"
 #include "host/link/dialog.hpp"
 #include "host/text.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::program_run {
 namespace {
 
 using program::Place;
 
-constexpr double mm_per_inch = 25.4;
 constexpr std::size_t z_axis = 2;
 
 constexpr std::array<std::string_view, program::coordinate_systems> system_names{

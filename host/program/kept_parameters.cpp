@@ -30,8 +30,7 @@ std::string clear_kept_parameters(link::LinePort& port, const std::vector<link::
   if (!uses_kept_parameters(lines) || link::ask(port, "$RST=P").error == 0) return {};
   return fmt::format(
       "note: {}: the board does not clear the parameters of earlier programs ($RST=P); end them "
-      "with "
-      "M2",
+      "with M2",
       file);
 }
 

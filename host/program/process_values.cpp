@@ -22,7 +22,6 @@ namespace lamplock::program_run {
 namespace {
 
 constexpr std::string_view family = "_material", separators = " \t";
-constexpr double inch_mm = 25.4;
 
 /// A process parameter: its name, and the field of a setting that it needs.
 struct NameRow {
@@ -160,7 +159,7 @@ const NameRow& row_of(std::string_view line, const Reference& reference, const L
 
 std::optional<double> value_of(const NameRow& row, const ProcessValues& values, bool inches,
                                double max_speed_s) {
-  const double unit = inches ? inch_mm : 1;
+  const double unit = inches ? mm_per_inch : 1;
   if (row.name == "_material_feed") return values.feed_mm_min / unit;
   if (row.name == "_material_power") return values.power_share * max_speed_s;
   if (row.name == "_material_watts") return values.power_w;

@@ -7,13 +7,13 @@
 
 #include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
+#include "host/gcode_comments.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/board_lines.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/program/line_thread.hpp"
 #include "host/text.hpp"
-#include "shared/line_comments.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
 #include "shared/wire/run_pace.hpp"
@@ -31,12 +31,6 @@ constexpr double e7 = static_cast<double>(program::one_e7);
 /// A board reports position and offsets in thousandths of a millimetre: error of their sum, 10^-7
 /// mm.
 constexpr std::int64_t report_tolerance_e7 = 20'000;
-
-std::string without_comments(std::string_view line) {
-  std::string text(line);
-  text.resize(drop_comments(std::span(text)).size);
-  return text;
-}
 
 /// The machine: its lines, and its position.
 class Machine {

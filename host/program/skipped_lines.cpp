@@ -147,8 +147,7 @@ void SkippedLines::note_machine_place(const Words& words) {
     placed_[axis] = knows_offsets_;
     lost_[axis] = !knows_offsets_;
   }
-  const program::State& state = interpreter_.state();
-  lose_turned(state);
+  lose_turned(interpreter_.state());
 }
 
 /// A new offset changes the coordinates of the place where the machine is.

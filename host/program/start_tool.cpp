@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 namespace lamplock::program_run {
+
 StartTool::StartTool(const std::optional<BoardState>& state, const program::Parameters& parameters)
     : parameters_(parameters), knows_selected_(state.has_value()) {
   if (!state) return;

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/run/settings_file.hpp"
 
@@ -36,9 +35,7 @@ std::vector<Change> parse_changes(const std::vector<std::string>& texts) {
 }
 
 void write_backup(const link::BoardSettings& settings, const std::string& file) {
-  write_whole(file, [&](const std::filesystem::path& path) {
-    write_file(path, backup_text(settings, is_toml(file)));
-  });
+  write_whole(file, backup_text(settings, is_toml(file)));
 }
 
 }  // namespace lamplock::run

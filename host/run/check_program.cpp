@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/flow_unit.hpp"
@@ -103,10 +102,9 @@ CheckedProgram check_program(const CheckOptions& options) {
   }
   if (checked.is_blank) throw no_line_to_send(options.input, has_flow);
   if (!options.picture.empty())
-    write_whole(options.picture, [&](const std::filesystem::path& path) {
-      write_file(path, program_run::path_svg(
-                           checked, std::filesystem::path(options.input).filename().string()));
-    });
+    write_whole(
+        options.picture,
+        program_run::path_svg(checked, std::filesystem::path(options.input).filename().string()));
   return checked;
 }
 

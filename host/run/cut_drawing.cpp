@@ -23,6 +23,7 @@
 #include "host/number_text.hpp"
 #include "host/run/file_ways.hpp"
 #include "host/suggestion.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -80,8 +81,8 @@ void add_letters(const std::vector<model::TextBlock>& texts, const DrawingChoice
 double mm_of(const std::string& unit) {
   if (unit == "cm") return 10;
   if (unit == "m") return 1000;
-  if (unit == "inch") return 25.4;
-  return unit == "foot" ? 12 * 25.4 : 1;
+  if (unit == "inch") return mm_per_inch;
+  return unit == "foot" ? 12 * mm_per_inch : 1;
 }
 
 /// The factor from the mm of the reader to those of the user.

@@ -70,9 +70,7 @@ std::vector<ServoErrors> diagnose(const DiagnoseOptions& options, Frontend& fron
         taken_for, pulses_per_mm, 100 * (taken_for / pulses_per_mm - 1));
   frontend.text(program_run::servo_table(rows));
   if (!options.picture.empty()) {
-    write_whole(options.picture, [&](const std::filesystem::path& path) {
-      write_file(path, program_run::servo_svg(runs, 1 / pulses_per_mm));
-    });
+    write_whole(options.picture, program_run::servo_svg(runs, 1 / pulses_per_mm));
     frontend.say("picture   {}", options.picture);
   }
   return rows;

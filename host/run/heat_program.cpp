@@ -173,7 +173,7 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
     return;
   }
   constexpr std::size_t max_lines = 20;
-  frontend.say("warning   {} above {:.0f} K; what brings each to it:",
+  frontend.say("warning   {} above {:.0f} K; to keep each below it, use:",
                count_text(out.overheated.size(), "line"), out.limit_k);
   for (std::size_t i = 0; i < std::min(max_lines, out.overheated.size()); ++i) {
     const thermal::Overheated& one = out.overheated[i];

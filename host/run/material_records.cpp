@@ -177,9 +177,7 @@ material::Records exported_records(const std::string& library,
 
 void write_records(const material::Records& records, const std::string& file) {
   check_target(file);
-  write_whole(file, [&](const std::filesystem::path& path) {
-    write_file(path, material::to_toml(records));
-  });
+  write_whole(file, material::to_toml(records));
 }
 
 }  // namespace lamplock::run

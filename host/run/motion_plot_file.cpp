@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/report/motion_plot.hpp"
 
@@ -56,9 +55,7 @@ MotionPlotFile::MotionPlotFile(const PlotOptions& options, sim::VirtualBoard& bo
 void MotionPlotFile::write(const settings::Values& values, const std::string& title) const {
   const report::MotionSeries series =
       report::motion_series(trace_, values, options_.window(), options_.fit());
-  write_whole(options_.file, [&](const std::filesystem::path& path) {
-    write_file(path, report::motion_svg(series, title));
-  });
+  write_whole(options_.file, report::motion_svg(series, title));
 }
 
 }  // namespace lamplock::run

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "host/file.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
@@ -106,7 +105,7 @@ job::Job make_job_file(const JobRequest& request, bool dry, const std::string& o
 void save_description(const JobRequest& request, Frontend& frontend) {
   if (request.save.empty()) return;
   const std::string text = glass::to_text(request.description, folder_of(request.save));
-  write_whole(request.save, [&text](const std::filesystem::path& path) { write_file(path, text); });
+  write_whole(request.save, text);
   frontend.phase("saved", request.save);
 }
 

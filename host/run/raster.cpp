@@ -10,7 +10,6 @@
 
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/model/bitmap.hpp"
@@ -180,7 +179,7 @@ job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult
 
 /// Writes one of the results. Returns its size in bytes.
 std::size_t write_result(const std::string& file, std::string_view bytes, Frontend& frontend) {
-  write_whole(file, [&](const std::filesystem::path& path) { write_file(path, bytes); });
+  write_whole(file, bytes);
   frontend.phase("written", fmt::format("{}, {}", file, count_text(bytes.size(), "byte")));
   return bytes.size();
 }

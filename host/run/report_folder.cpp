@@ -198,8 +198,7 @@ void ReportFolder::write_numbers(const report::Report& report, LostFiles& lost) 
 void ReportFolder::write_program(std::string_view numbers, std::string_view page, LostFiles& lost) {
   write_json(numbers, lost);
   const fs::path target = folder_ / program_page;
-  lost.attempt(target.string(),
-               [&] { write_whole(target, [&](const fs::path& path) { write_file(path, page); }); });
+  lost.attempt(target.string(), [&] { write_whole(target, page); });
 }
 
 void ReportFolder::write_rest(const report::Report& report, const report::JobRun& run,

@@ -10,7 +10,6 @@
 
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/link/board_text.hpp"
 #include "host/link/dialog.hpp"
 #include "host/link/kept_job.hpp"
@@ -242,11 +241,8 @@ void report_timing(const sim::BoardTiming& timing, const PreparedJob& prepared,
   const std::string table = sim::timing_text(timing.table(delay));
   frontend.text(table);
   if (options.timing.empty()) return;
-  outcome.lost.attempt(options.timing, [&] {
-    write_whole(options.timing, [&](const std::filesystem::path& path) {
-      write_file(path, table + "\n" + timing.profile_text());
-    });
-  });
+  outcome.lost.attempt(options.timing,
+                       [&] { write_whole(options.timing, table + "\n" + timing.profile_text()); });
 }
 
 /// What was engraved, and how.

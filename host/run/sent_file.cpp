@@ -11,6 +11,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
+#include "host/gcode_comments.hpp"
 #include "host/job/job_file.hpp"
 #include "host/run/file_ways.hpp"
 #include "host/run/output_name.hpp"
@@ -33,13 +34,8 @@ bool has_program_name(const std::string& file) {
 }
 
 /// The line without comments, block delete and blanks at its ends.
-std::string without_comments(std::string_view line) {
-  std::string text;
-  bool in_comment = false;
-  for (const char c : line.substr(0, line.find(';'))) {
-    in_comment = (in_comment || c == '(') && c != ')';
-    if (!in_comment && c != ')') text += c;
-  }
+std::string executed_text(std::string_view line) {
+  const std::string text = without_comments(line);
   std::string_view rest = trimmed(text);
   if (rest.starts_with('/')) rest = trimmed(rest.substr(1));
   return std::string(rest);
@@ -73,7 +69,7 @@ std::string first_lines(const std::string& file) {
 bool looks_like_program(std::string_view text) {
   int judged = 0;
   for (text = without_byte_order_mark(text); !text.empty() && judged < lines_to_judge;) {
-    const std::string line = without_comments(take_line(text));
+    const std::string line = executed_text(take_line(text));
     if (line.empty() || line == "%") continue;
     if (!line.starts_with('$') && !has_words(line)) return false;
     ++judged;

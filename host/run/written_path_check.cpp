@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/error.hpp"
+#include "host/gcode_comments.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -28,18 +29,6 @@ const std::vector<PostEvent> move_events{PostEvent::line, PostEvent::arc_cw, Pos
 std::vector<PostEvent> with_moves(std::vector<PostEvent> events) {
   events.insert(events.end(), move_events.begin(), move_events.end());
   return events;
-}
-
-/// True if the line has the value outside of comments.
-bool has_value(const std::string& line, const std::string& braced) {
-  bool in_comment = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == ';' && !in_comment) return false;
-    if (line[i] == '(') in_comment = true;
-    if (line[i] == ')') in_comment = false;
-    if (!in_comment && line.compare(i, braced.size(), braced) == 0) return true;
-  }
-  return false;
 }
 
 class PathComparison {
@@ -244,8 +233,9 @@ bool writes_value(const cutting::Post& post, const std::vector<PostEvent>& event
   const std::string braced =
       fmt::format("{{{}}}", cutting::post_value_names[static_cast<std::size_t>(value)]);
   return std::ranges::any_of(events, [&](PostEvent event) {
-    return std::ranges::any_of(post.of(event),
-                               [&](const std::string& line) { return has_value(line, braced); });
+    return std::ranges::any_of(post.of(event), [&](const std::string& line) {
+      return without_comments(line).find(braced) != std::string::npos;
+    });
   });
 }
 

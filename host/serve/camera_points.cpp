@@ -97,8 +97,7 @@ void write_camera_points(const std::filesystem::path& file, const Json& points) 
   Json kept = Json::array();
   for (const Json& point : points)
     kept.push_back({{"u", point["u"]}, {"v", point["v"]}, {"x", point["x"]}, {"y", point["y"]}});
-  write_whole(file.string(),
-              [&](const std::filesystem::path& path) { write_file(path, kept.dump(2) + "\n"); });
+  write_whole(file.string(), kept.dump(2) + "\n");
 }
 
 }  // namespace lamplock::serve

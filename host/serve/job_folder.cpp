@@ -87,7 +87,7 @@ void JobFolder::check_name(const std::string& name) {
 
 void JobFolder::write(const std::string& name, std::string_view bytes) const {
   check_name(name);
-  write_whole(folder_ / name, [&](const fs::path& path) { write_file(path, bytes); });
+  write_whole(folder_ / name, bytes);
   std::error_code ignored;
   fs::remove(folder_ / (name + ".progress"), ignored);
 }

@@ -10,6 +10,7 @@
 #include "host/link/board_text.hpp"
 #include "host/run/prepare.hpp"
 #include "host/serve/machine.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -224,7 +225,6 @@ void Machine::publish(const Talk& talk) {
 }
 
 std::vector<double> Machine::in_mm(std::vector<double> place) const {
-  constexpr double mm_per_inch = 25.4;
   for (std::size_t a = 0; a < place.size(); ++a)
     if (inches_.has(static_cast<int>(a))) place[a] *= mm_per_inch;
   return place;

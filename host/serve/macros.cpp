@@ -67,9 +67,7 @@ void Macros::remove(const std::string& name) const {
 }
 
 void Macros::write(const std::map<std::string, std::string>& macros) const {
-  write_whole(file_, [&](const std::filesystem::path& path) {
-    write_file(path, nlohmann::json(macros).dump(2) + "\n");
-  });
+  write_whole(file_, nlohmann::json(macros).dump(2) + "\n");
 }
 
 }  // namespace lamplock::serve

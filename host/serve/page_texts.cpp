@@ -89,9 +89,7 @@ PageTexts read_texts(const std::filesystem::path& file) {
 }
 
 void write_texts(const std::filesystem::path& file) {
-  write_whole(file.string(), [](const std::filesystem::path& path) {
-    write_file(path, english_table().dump(2) + "\n");
-  });
+  write_whole(file.string(), english_table().dump(2) + "\n");
 }
 
 }  // namespace lamplock::serve

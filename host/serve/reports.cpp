@@ -45,8 +45,7 @@ void Reports::keep(const std::string& name, std::string_view html) const {
   std::set<std::string> kept = names();
   for (; kept.size() >= max_kept; kept.erase(kept.begin()))
     std::filesystem::remove(file_of(folder_, *kept.begin()), ignored);
-  write_whole(file_of(folder_, name).string(),
-              [html](const std::filesystem::path& path) { write_file(path, std::string(html)); });
+  write_whole(file_of(folder_, name), html);
 }
 
 std::set<std::string> Reports::names() const {

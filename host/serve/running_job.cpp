@@ -23,12 +23,11 @@ std::int64_t seconds_of(system_clock::time_point time) { return system_clock::to
 /// How to continue. A board that was held may have lines that were sent and not executed.
 std::string remedy_of(const EndedJob& left) {
   if (left.item == "point")
-    return "the server ended in this job; start it again with 'continue the last run', which fires "
-           "no point twice";
+    return "the server ended during this job; start it again with 'continue the last run', "
+           "which fires no point twice";
   return fmt::format(
-      "the server ended in this program, of which {} lines were sent; resume or stop what the "
-      "board "
-      "still has, then start from the line where it has stopped",
+      "the server ended during this program, of which {} lines were sent; resume or stop what the "
+      "board still has, then start from the line where it has stopped",
       left.view.done);
 }
 
@@ -80,7 +79,7 @@ void RunningJob::note(const JobView& job, Clock::time_point now) {
                   {"begin", seconds_of(begun_)},
                   {"seen", seconds_of(system_clock::now())}};
   writing_.start([file = file_, text = json.dump()] {
-    write_whole(file, [&](const std::filesystem::path& path) { write_file(path, text); });
+    write_whole(file, text);
     return true;
   });
 }

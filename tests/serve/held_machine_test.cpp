@@ -16,8 +16,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Only a paired client continues what may have the laser on; a dry run that has not begun is no
-/// way around that.
+/// Only a paired client continues what may have the laser on, also if another one starts a dry run.
 TEST(HeldMachine, is_not_resumed_by_a_dry_run_of_an_unpaired_client) {
   RunningServer server({.is_simulated = false});
   server.add_file("dry.ngc", "G21G91\nG1X1F3000\n");

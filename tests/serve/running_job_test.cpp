@@ -82,8 +82,10 @@ TEST(RunningJob, is_shown_and_kept_by_the_next_server) {
   EXPECT_EQ(client.status()["job"]["end"], "interrupted");
   EXPECT_EQ(client.status()["job"]["done"], 120);
   nlohmann::json jobs;
-  for (int i = 0; i < 100 && jobs.empty(); ++i, std::this_thread::sleep_for(20ms))
+  comes_true([&] {
     jobs = client.call("history.list")["result"];
+    return !jobs.empty();
+  });
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0]["result"], "interrupted");
   EXPECT_EQ(jobs[0]["begin"], "2023-11-14T22:13:20Z");
