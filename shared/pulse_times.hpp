@@ -25,7 +25,7 @@ namespace lamplock {
 /// High time of the shortest pulse: pulses up to this one end inside their tick.
 inline constexpr std::uint32_t short_pulse_ns = 500;
 /// No tick is shorter than this while the machine moves: the period of the lamp may be 10 % off
-/// nominal ($905, $910), a tick 5 % off that ($906), a beat has 200 ticks or more, rounded, and a
+/// nominal ($905, $910), a tick 5 % off that ($906), a beat has 125 ticks or more, rounded, and a
 /// tick ends up to a clock early.
 inline constexpr std::uint32_t min_moving_tick_ns = 840;
 static_assert(min_moving_tick_ns <

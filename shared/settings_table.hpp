@@ -316,7 +316,7 @@ inline constexpr std::array<Row, setting_count> table{{
     {900, "lamp_mode", "0..2", 0, 2'000, 1'000, true, Scope::jobs, Rule::any,
      "0 no lamp (free beat), 1 slave (the lamp free-runs, the controller follows LAMP SYNC), 2 "
      "master (the controller triggers the lamp)"},
-    {901, "lamp_frequency", "Hz", 1'000, 5'000'000, 100'000, false, Scope::jobs, Rule::any,
+    {901, "lamp_frequency", "Hz", 1'000, 8'000'000, 100'000, false, Scope::jobs, Rule::any,
      "nominal lamp frequency"},
     {902, "q_switch_delay", "us", 2'220, 500'000, 5'000, false, Scope::jobs, Rule::any,
      "maximum time from LAMP SYNC to Q-switch at the pins; the laser requires at most 20 us"},
@@ -367,7 +367,7 @@ inline constexpr std::array<Row, setting_count> table{{
     {933, "pulse_length", "us", 1'000, 1'000'000'000, 1'500'000, false, Scope::programs, Rule::any,
      "length of each of these pulses (M128)"},
     // GLASS: lamps of 1 to 200 Hz, Ep <= 20 J.
-    {934, "max_lamp_frequency", "Hz", 1'000, 5'000'000, 200'000, false, Scope::machine, Rule::any,
+    {934, "max_lamp_frequency", "Hz", 1'000, 8'000'000, 200'000, false, Scope::machine, Rule::any,
      "highest frequency at which the controller may trigger the lamp; jobs cannot change it"},
     {935, "max_lamp_energy", "J", 0, 100'000, 20'000, false, Scope::machine, Rule::any,
      "largest lamp_energy; jobs cannot change it"},

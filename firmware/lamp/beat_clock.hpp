@@ -103,6 +103,8 @@ class BeatClock {
   std::uint32_t max_tick_q16() const { return max_tick_q16_; }
 
   std::uint32_t beat_ticks() const { return beat_ticks_; }
+  /// From an edge to its lattice tick, rounded down.
+  std::uint32_t delay_ticks() const { return delay_ticks_; }
   /// Lattice tick of a beat, and the first beat at or after a tick (main loop: divides).
   std::uint64_t tick_of_beat(std::uint64_t beat) const {
     return origin_tick_ + (beat - origin_beat_) * beat_ticks_;
@@ -181,7 +183,8 @@ class BeatClock {
   std::int64_t range_q16_ = 0;    ///< maximum distance of the period from nominal, clocks
   std::int64_t jitter_q16_ = 0;   ///< clocks
   std::int64_t delay_q16_ = 0;    ///< edge to shot, clocks
-  std::uint32_t inverse_ = 0;     ///< 2^(31 + inverse_bits_) / N: at most 2^31
+  std::uint32_t delay_ticks_ = 0;
+  std::uint32_t inverse_ = 0;  ///< 2^(31 + inverse_bits_) / N: at most 2^31
   int inverse_bits_ = 0;
   std::int64_t drift_q32_ = 0;  ///< share of the period, per beat
   Gains steady_;

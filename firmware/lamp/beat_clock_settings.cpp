@@ -37,7 +37,9 @@ void BeatClock::configure(const settings::Values& values) {
                          static_cast<std::uint32_t>(values.milli(Id::lamp_frequency)));
   range_q16_ = mul_div(nominal_q16_, values.milli(Id::lock_range), 100'000);
   jitter_q16_ = us_to_clocks_q16(values.milli(Id::lamp_jitter));
-  delay_q16_ = std::int64_t{shot_delay_clocks(values.milli(Id::q_switch_delay))} << 16;
+  const std::uint32_t delay_clocks = shot_delay_clocks(values.milli(Id::q_switch_delay));
+  delay_q16_ = std::int64_t{delay_clocks} << 16;
+  delay_ticks_ = delay_clocks / clocks_per_tick;
   inverse_bits_ = static_cast<int>(std::bit_width(beat_ticks_)) - 1;
   inverse_ = static_cast<std::uint32_t>((std::uint64_t{1} << (31 + inverse_bits_)) / beat_ticks_);
   slew_q32_ = static_cast<std::uint32_t>(mul_div(values.milli(Id::slew_limit), one_q32, 100'000));

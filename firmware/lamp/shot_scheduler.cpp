@@ -192,8 +192,8 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
     token_out_ = true;
     token_beat_ = p.last_beat;
     token_beat_reason_ = BeatReason::no_edge;
-    token = {p.last_beat, tick - clock.beat_ticks() / 2, tick + p.half_window_ticks, p.channel,
-             p.energy};
+    token = {p.last_beat, tick - clock.delay_ticks() - clock.beat_ticks() / 2,
+             tick + p.half_window_ticks, p.channel, p.energy};
     return true;
   }
   return false;

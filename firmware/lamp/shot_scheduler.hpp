@@ -22,7 +22,7 @@
 // outcome waits for the sensor, and so does the next token; a shot not made is a miss like any
 // other, until the same point has failed too often: then the main loop must hold.
 //
-//  life of a token:   a beat       half a beat before its lattice tick     arm window closes
+//  life of a token:   a beat       half a beat before its edge             arm window closes
 //                      | may be taken | may be loaded .................... | withdrawn
 #pragma once
 

@@ -1,5 +1,5 @@
-// Values of settings that a board does not have: its pin map, pulses of an axis, a lamp to trigger,
-// a sensor, beam channels, the other polarity of enables, currents of its drives.
+// Values of settings that a board does not have: its pin map, pulses of an axis, a lamp to trigger
+// or one as fast, a sensor, beam channels, the other polarity of enables, currents of its drives.
 //
 // In:  the row of a board and one of its pin maps; settings.
 // Out: the first setting whose value the board does not have.
@@ -25,6 +25,8 @@ struct SettingLimits {
   std::uint8_t channels =
       0xf;                  ///< a bit for each beam channel: with a shutter, or the first ($924)
   bool has_sensor = false;  ///< an analogue input for a temperature ($1061)
+  /// The fastest beat whose edges, shots and points its processor handles ($901).
+  std::int32_t max_lamp_milli_hz = settings::range(settings::Id::lamp_frequency).max_milli;
 #if LAMPLOCK_DRIVE_SETTINGS
   /// Of the drives on the board ($1091 to $1094); 0: it has none.
   std::uint16_t max_drive_current_ma = 0;
@@ -59,6 +61,7 @@ struct SettingLimits {
   if (!board.triggers_lamp &&
       values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master))
     return Id::lamp_mode;
+  if (values.milli(Id::lamp_frequency) > board.max_lamp_milli_hz) return Id::lamp_frequency;
   if (values.whole(Id::axes) > board.axes) return Id::axes;
   if ((values.whole(Id::channels) & board.channels) == 0) return Id::channels;
 #if LAMPLOCK_SENSOR_SETTINGS
@@ -70,6 +73,7 @@ struct SettingLimits {
 /// A value of such a setting that the board has, in thousandths.
 [[gnu::cold]] constexpr std::int32_t fitting_milli(const SettingLimits& board, settings::Id unfit) {
   using settings::Id;
+  if (unfit == Id::lamp_frequency) return board.max_lamp_milli_hz;
   const std::int32_t whole = unfit == Id::pin_map    ? board.first_map
                              : unfit == Id::axes     ? board.axes
                              : unfit == Id::channels ? board.channels

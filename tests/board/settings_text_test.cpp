@@ -155,7 +155,7 @@ TEST(SettingsText, UnknownSettingsAreRefusedByNumber) {
   for (const char* line :
        {"$901=", "$901=fast", "$901=1.2345", "$901=1e3", "$901=--1", "$901=99999999999999999999"})
     EXPECT_EQ(user.answer(line), "error:2\r\n") << line;
-  for (const char* line : {"$901=0.999", "$901=5000.001", "$901=-100", "$960=2.5", "$900=3"})
+  for (const char* line : {"$901=0.999", "$901=8000.001", "$901=-100", "$960=2.5", "$900=3"})
     EXPECT_EQ(user.answer(line), "error:52\r\n") << line;
   EXPECT_EQ(user.answer("$111=599999"),  // more than one step per tick
             "[MSG:$111 at most 294000.000 mm/min with $0 and $1077]\r\nerror:12\r\n");

@@ -59,13 +59,15 @@ void run(ChipRig& rig, const job::Job& job, bool flooded = false) {
   if (flooded) std::cout << junk << " requests and lines of junk\n";
 }
 
-/// Regular rows there and back, points 40 um apart along x.
-job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points) {
+/// Regular rows there and back along x.
+job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points,
+              double spacing_mm = 0.04) {
   geometry::PointCloud cloud;
   for (std::size_t row = 0; row < count; ++row)
     for (std::size_t i = 0; i < points; ++i) {
       const std::size_t at = row % 2 == 0 ? i : points - 1 - i;
-      cloud.push_back({-28 + 0.04 * static_cast<double>(at), 0.2 * static_cast<double>(row), 0});
+      cloud.push_back(
+          {-28 + spacing_mm * static_cast<double>(at), 0.2 * static_cast<double>(row), 0});
     }
   return job::make_job(cloud, profile, {});
 }
@@ -109,6 +111,30 @@ TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
             << " beats; planned in no time and a quiet link " << least << " beats\n";
   EXPECT_GE(max_run(rig.shots()), 1000u);
   EXPECT_LE(beats, 1.1 * least);
+}
+
+/// A row 20 um apart of which all points but the last ones are fired on consecutive beats.
+void expect_a_row_on_every_beat(const job::Profile& profile) {
+  const std::size_t points = 1400;
+  ChipRig rig(profile);
+  const job::Job job = rows(profile, 1, points, 0.02);
+  ASSERT_NO_FATAL_FAILURE(run(rig, job));
+  std::cout << max_run(rig.shots()) << " of " << points << " points at "
+            << profile.settings.milli(Id::lamp_frequency) / 1000 << " points/s\n";
+  EXPECT_GE(max_run(rig.shots()), points - 32);
+}
+
+/// A machine with a free beat.
+job::Profile free_profile(double lamp_hz) {
+  job::Profile profile = quick_profile(lamp_hz);
+  profile.settings.set_milli(Id::lamp_mode, static_cast<int>(settings::LampMode::free_beat));
+  profile.settings.set_milli(Id::max_shot_rate, profile.settings.milli(Id::lamp_frequency));
+  job::state_setting(profile, Id::q_switch_width, 60, "test");
+  return profile;
+}
+
+TEST(Throughput, ARowIsFiredAtEveryFreeBeatOf4500Hertz) {
+  expect_a_row_on_every_beat(free_profile(4500));
 }
 
 /// Rows with a step of noise across and along, at accelerations that give a high step rate: the
@@ -165,6 +191,40 @@ TEST(Throughput, IrregularCloudsCostNoWaiting) {
             << " beats\n";
   EXPECT_LE(beats, 1.02 * least);
   EXPECT_GE(rate, 1500.0);
+}
+
+// With the image for 200 MHz alone.
+
+TEST(ThroughputAt200Megahertz, ARowIsFiredAtEveryBeatOf5Kilohertz) {
+  expect_a_row_on_every_beat(quick_profile(5000));
+}
+
+TEST(ThroughputAt200Megahertz, ARowIsFiredAtEveryFreeBeatOf8Kilohertz) {
+  expect_a_row_on_every_beat(free_profile(8000));
+}
+
+/// 160 m/s2 would permit 3360 points a second: the planner limits them.
+TEST(ThroughputAt200Megahertz, ThePlannerPlans3000IrregularPointsASecond) {
+  job::Profile profile = quick_profile(5000);
+  job::set_acceleration(profile, 160);
+  const job::Job job = uneven_cloud(profile, 1000, 0.001, 0.008);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(run(rig, job));
+  const double rate = 5000.0 * static_cast<double>(job.targets.size()) / beats_of(rig.shots());
+  std::cout << rate << " points/s\n";
+  EXPECT_GE(rate, 3000.0);
+}
+
+/// The token of a shot is loaded half a beat before its edge, however long the
+/// delay from the edge to the shot is.
+TEST(Throughput, ALongShotDelayMissesNoBeat) {
+  job::Profile profile = quick_profile(4000);
+  job::state_setting(profile, Id::q_switch_delay, 150, "test");
+  job::state_setting(profile, Id::q_switch_width, 20, "test");
+  ChipRig rig(profile);
+  const job::Job job = rows(profile, 1, 400);
+  ASSERT_NO_FATAL_FAILURE(run(rig, job));
+  EXPECT_GE(max_run(rig.shots()), 300u);
 }
 
 }  // namespace

@@ -101,14 +101,16 @@ TEST_P(EachBoard, NamesTheFirstSettingOfAnotherBoardThatItReplaces) {
   EXPECT_THAT(blank.rig.heard, testing::Not(HasSubstr("replaced")));
 }
 
-/// More axes than pins, and no beam channel.
-TEST_P(EachBoard, RefusesAxesAndChannelsThatItLacks) {
+/// More axes than pins, no beam channel, a beat that is too fast for its processor.
+TEST_P(EachBoard, RefusesAxesChannelsAndBeatsThatItLacks) {
   Bench bench(row(), row());
   ChipRig& rig = bench.rig;
   const boards::Pins map = row().maps[0].pins;
   EXPECT_THAT(rig.answer("$960=4"), HasSubstr(boards::axes(map) == 4 ? "ok" : "another board"));
   EXPECT_THAT(rig.answer("$924=8"),
               HasSubstr((boards::channels(map) & 8) != 0 ? "ok" : "another board"));
+  EXPECT_THAT(rig.answer("$901=5000"), HasSubstr("ok"));
+  EXPECT_THAT(rig.answer("$901=5000.001"), HasSubstr("another board"));
   EXPECT_THAT(rig.answer("$RST=$"), HasSubstr("ok"));
 }
 

@@ -352,7 +352,8 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   ASSERT_TRUE(token(first));
   EXPECT_EQ(first.beat, 4u);
   EXPECT_EQ(first.expires_tick, clock_.tick_of_beat(4) + 50);
-  EXPECT_EQ(first.not_before_tick, clock_.tick_of_beat(4) - clock_.beat_ticks() / 2);
+  EXPECT_EQ(first.not_before_tick,
+            clock_.tick_of_beat(4) - clock_.delay_ticks() - clock_.beat_ticks() / 2);
   EXPECT_FALSE(token(second));
   scheduler_.edge({true, 3, 0}, false, false);
   EXPECT_FALSE(token(second)) << "the beat before the shot does not spend its token";

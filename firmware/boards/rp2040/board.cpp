@@ -34,9 +34,18 @@ boards::Pins pins_of(const settings::Values& stored) {
   return boards::this_board.map(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))
       .pins;
 }
+/// Of a beat. With the edge, its ticks and a point for each beat core 0 is busy for nine tenths of
+/// it (docs/chip-timing.md).
+constexpr std::uint32_t min_beat_clocks = 25'000;
+
+boards::SettingLimits limits_of(boards::Pins map) {
+  boards::SettingLimits limits = boards::limits_of(boards::this_board, map);
+  limits.max_lamp_milli_hz = clock_hz / min_beat_clocks * 1000;
+  return limits;
+}
 machine::BoardFeatures features_of(boards::Pins map) {
   return {.name = boards::this_board.name,
-          .limits = boards::limits_of(boards::this_board, map),
+          .limits = limits_of(map),
           .inputs = Inputs(map).all(),
           .outputs = boards::program_outputs(map),
           .second_wire = boards::axes_of_z_enable(map),
