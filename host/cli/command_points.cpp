@@ -8,6 +8,8 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/engraving_options.hpp"
 #include "host/run/make_points.hpp"
+#include "host/run/prepare.hpp"
+#include "host/run/prepare_job.hpp"
 
 namespace lamplock::cli {
 namespace {

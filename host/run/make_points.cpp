@@ -15,8 +15,11 @@
 #include "host/model/input.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/file_ways.hpp"
+#include "host/run/frontend.hpp"
 #include "host/run/ordering.hpp"
 #include "host/run/point_file.hpp"
+#include "host/run/prepare.hpp"
+#include "host/run/prepare_job.hpp"
 #include "host/shell_text.hpp"
 
 namespace lamplock::run {

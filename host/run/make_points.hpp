@@ -7,12 +7,13 @@
 
 #include "host/geometry/point.hpp"
 #include "host/glass/description.hpp"
-#include "host/run/frontend.hpp"
 #include "host/run/machine_options.hpp"
-#include "host/run/prepare.hpp"
-#include "host/run/prepare_job.hpp"
 
 namespace lamplock::run {
+
+class Frontend;
+struct Cloud;
+struct JobRequest;
 
 /// Makes the points of a request and writes them. Throws Error(bad_input).
 Cloud make_points(const JobRequest& request, const std::string& output, Frontend& frontend);

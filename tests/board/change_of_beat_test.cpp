@@ -123,7 +123,7 @@ TEST(ChangeOfBeat, ImpossibleFrequenciesAreRefusedWithTheirSetting) {
     machine::Controller& core = rig.board.controller();
     EXPECT_EQ(core.change_beat(0), Result::bad_value);
     EXPECT_EQ(core.refused_value(), 901u);
-    EXPECT_EQ(core.change_beat(5'000'001), Result::bad_value);
+    EXPECT_EQ(core.change_beat(8'000'001), Result::bad_value);
     EXPECT_EQ(core.refused_value(), 901u);
     // The shot would outlast the beat.
     EXPECT_EQ(core.change_beat(2'500'000), Result::bad_value);

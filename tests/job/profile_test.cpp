@@ -87,7 +87,7 @@ TEST(Profile, ErrorsNameFileLineKeyAndRange) {
   const std::string range = error_of("axes = 3\nlamp_frequency = 9000\n");
   EXPECT_THAT(range, HasSubstr(".toml:2"));
   EXPECT_THAT(range, HasSubstr("9000"));
-  EXPECT_THAT(range, HasSubstr("1 to 5000 Hz"));
+  EXPECT_THAT(range, HasSubstr("1 to 8000 Hz"));
   EXPECT_THAT(error_of("axes = 2.5\n"), HasSubstr("whole number"));
   EXPECT_THAT(error_of("travel_x = \"100\"\n"), HasSubstr("must be a number"));
   EXPECT_THAT(error_of("travel = 100\n"), HasSubstr("array"));
