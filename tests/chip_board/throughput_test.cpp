@@ -215,8 +215,8 @@ TEST(ThroughputAt200Megahertz, ThePlannerPlans3000IrregularPointsASecond) {
   EXPECT_GE(rate, 3000.0);
 }
 
-/// The token of a shot is loaded half a beat before its edge, however long the
-/// delay from the edge to the shot is.
+/// The token of a shot is loaded half a beat before its edge, however long the delay from the edge
+/// to the shot is.
 TEST(Throughput, ALongShotDelayMissesNoBeat) {
   job::Profile profile = quick_profile(4000);
   job::state_setting(profile, Id::q_switch_delay, 150, "test");

@@ -34,8 +34,8 @@ boards::Pins pins_of(const settings::Values& stored) {
   return boards::this_board.map(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))
       .pins;
 }
-/// Of a beat. With the edge, its ticks and a point for each beat core 0 is busy for nine tenths of
-/// it (docs/chip-timing.md).
+/// Shortest beat. A job with a point on every beat of this length keeps core 0 busy for nine tenths
+/// of the time (docs/chip-timing.md).
 constexpr std::uint32_t min_beat_clocks = 25'000;
 
 boards::SettingLimits limits_of(boards::Pins map) {
