@@ -117,8 +117,11 @@ class BeatClock {
   bool locked() const { return locked_; }
   /// Locked, and the lattice has caught up with the lamp: motion may begin.
   bool settled() const;
-  /// Shortest tick to expect over the nominal one, Q16, slew included (main loop: divides).
-  [[gnu::cold]] std::uint32_t min_tick_q16() const;
+  /// Shortest tick to expect within the next `ticks` ticks over the nominal one, Q16, for a lamp
+  /// that drifts as the settings say; an eighth of the slew limit remains to shrink ticks. In steps
+  /// of about 1/8192, the same for a lamp within 1/16384 of the nominal period. As slave also above
+  /// nominal, otherwise nominal (main loop: divides).
+  [[gnu::cold]] std::uint32_t min_tick_q16(std::uint32_t ticks) const;
 
   settings::LampMode mode() const { return mode_; }
   std::uint32_t edges() const { return edges_; }        ///< since power-up, runts not counted

@@ -19,8 +19,13 @@ constexpr std::int64_t min_index_q16 = 16;
 constexpr std::int64_t max_index_q16 = 16 * 65536;
 /// Maximum error of the shot against the lattice tick because ticks of the delay are longer: 1 us.
 constexpr std::int64_t max_delay_error_q16 = std::int64_t{clocks_per_us} << 16;
-/// Look-ahead of the planner, beats, for the shortest tick.
-constexpr std::int64_t planned_beats = 32;
+/// Share of the slew limit by which ticks may be shorter than the tracked tick. Limits of motion
+/// are made for the shortest tick, so this share costs speed; corrections of jitter are far
+/// smaller.
+constexpr std::uint32_t shrink_part = 8;
+/// The shortest tick changes in steps of this share of the nominal one, so that a lamp with jitter
+/// gives the same limits every time. The nominal tick is in the middle of a step.
+constexpr std::int64_t step_q32 = nominal_tick_q32 / 8192;
 
 /// A setting in us (kept in thousandths) to clocks, Q16.
 std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
@@ -99,17 +104,17 @@ void BeatClock::set_gates(const settings::Values& values) {
   gate_q16_ = gate_q16(0);
 }
 
-std::uint32_t BeatClock::min_tick_q16() const {
+std::uint32_t BeatClock::min_tick_q16(std::uint32_t ticks) const {
   if (mode_ != LampMode::slave) return full_tick_q16;
-  const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
-  // The change of the lamp until the plan has been run, at least another slew; but the period stays
-  // inside its range.
+  const std::uint32_t shrink_q32 = slew_q32_ / shrink_part;
+  const std::int64_t tick = (tick_q32_ + step_q32 / 2) / step_q32 * step_q32 - step_q32 / 2;
   constexpr std::int64_t all_q32 = 0xffffffff;
   const auto drift_q32 =
-      static_cast<std::uint32_t>(clamped(planned_beats * drift_q32_, slew_q32_, all_q32));
-  const std::int64_t shortest = tick - share_q32(tick, slew_q32_) - share_q32(tick, drift_q32);
+      static_cast<std::uint32_t>(clamped(mul_div(drift_q32_, ticks, beat_ticks_), 0, all_q32));
+  const std::int64_t shortest = tick - share_q32(tick, shrink_q32) - share_q32(tick, drift_q32);
+  // The period stays inside its range.
   const std::int64_t range_end = tick_of_period_q32(nominal_q16_ - range_q16_);
-  const std::int64_t floor = range_end - share_q32(range_end, slew_q32_);
+  const std::int64_t floor = range_end - share_q32(range_end, shrink_q32);
   return static_cast<std::uint32_t>(((shortest > floor ? shortest : floor) >> 16) /
                                     clocks_per_tick);
 }

@@ -128,7 +128,7 @@ Result MachineWork::may_begin_job() const {
     overridden_ = !(values == stored_);
     if (!(values == values_)) use_settings(values);
     shots_.begin_job(rules);
-    options.min_tick_q16 = runner_.min_tick_q16();
+    options.min_tick_q16 = runner_.lasting_min_tick_q16();
   }
   dry_ = header.dry;
   points_total_ = header.points_total;

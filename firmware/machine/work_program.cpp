@@ -51,7 +51,7 @@ bool MachineWork::begin_lines(const settings::Values& values) {
   {
     const Masked masked(mask_);
     runner_.read_outcomes();  // the rest of a job must not move the machine back
-    tick_q16 = runner_.min_tick_q16();
+    tick_q16 = runner_.lasting_min_tick_q16();
   }
   return program_.begin(values, tick_q16) == Result::ok;
 }
@@ -72,7 +72,7 @@ void MachineWork::begin_points(program::BeatLock lock) {
     const Masked masked(mask_);
     runner_.read_outcomes();
     shots_.begin_job(rules);
-    options.min_tick_q16 = runner_.min_tick_q16();
+    options.min_tick_q16 = runner_.lasting_min_tick_q16();
   }
   runner_.begin(options, values_, 0);
   link_.forget_session();

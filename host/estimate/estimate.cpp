@@ -55,10 +55,12 @@ class Trial {
 
   StartState standing() const {
     const machine::JobRunner& runner = board_.controller().runner();
-    StartState standing{runner.min_tick_q16(), full_tick_q16};
+    const lamp::BeatClock& clock = board_.controller().clock();
+    StartState standing{.min_tick_q16 = runner.plan_min_tick_q16(),
+                        .long_min_tick_q16 = runner.lasting_min_tick_q16(),
+                        .follows_lamp = clock.mode() == settings::LampMode::slave};
     // As in the runner: axes with different leads never reach the same tick.
-    if (runner.generator().lead() == 0)
-      standing.max_tick_q16 = board_.controller().clock().max_tick_q16();
+    if (runner.generator().lead() == 0) standing.max_tick_q16 = clock.max_tick_q16();
     return standing;
   }
 

@@ -20,7 +20,12 @@ class WindowStream {
   WindowStream(const job::Job& job, const PlanOptions& options)
       : job_(job),
         options_(options),
-        pace_{options.standing.min_tick_q16, options.job_speed},
+        pace_{.wanted = {options.standing.min_tick_q16, options.job_speed},
+              .long_tick_q16 = options.standing.long_min_tick_q16,
+              .max_tick_q16 = options.standing.max_tick_q16,
+              .short_ticks = options.standing.follows_lamp
+                                 ? machine::short_plan_ticks(beat_ticks(job.settings))
+                                 : 0},
         encoder_(job, options.first),
         limits_(work_space(job.settings)) {
     decoder_.begin(job::header_from(job, options.first));
@@ -29,7 +34,8 @@ class WindowStream {
     run_.min_beats = options.min_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
     window_.continue_at({queue_.begin(), 0});
-    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.min_tick_q16);
+    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.long_min_tick_q16);
+    pace_.may_cut = !plan_.brake_limits().jerk_limited();
     for (stepper::AxisState& axis : start_.axis) axis.position_q64 = stepper::middle_of_step(0);
   }
 
@@ -62,7 +68,7 @@ class WindowStream {
     request.min_beats = run_.min_beats;
     request.start = start_;
     request.follows = !off_target_;
-    plan_.start(pace_, options_.standing.max_tick_q16);
+    plan_.start(pace_);
     while (plan_.advance(job_.settings, job_.settings)) {
     }
     if (plan_.found()) return;
@@ -73,7 +79,7 @@ class WindowStream {
   }
 
   void hand_out(const SeeWay& see) {
-    const std::uint32_t count = plan_.request().commits();
+    const std::uint32_t count = plan_.count();
     for (std::uint32_t i = 0; i < count; ++i) {
       const stepper::Segment& segment = plan_.segment(i);
       see({plan_.request().points[i], plan_.beats(i), segment.shot.present,
@@ -91,7 +97,7 @@ class WindowStream {
 
   const job::Job& job_;
   const PlanOptions& options_;
-  const machine::Pace pace_;
+  machine::PlanPace pace_;
   job::RecordEncoder encoder_;
   program::PulseDecoder decoder_;
   StepLimits limits_;

@@ -22,8 +22,10 @@ namespace lamplock::estimate {
 
 /// State of the machine when it makes its first plan.
 struct StartState {
-  std::uint32_t min_tick_q16 = full_tick_q16;  ///< expected, over the nominal one
-  std::uint32_t max_tick_q16 = full_tick_q16;  ///< allowed in a plan
+  std::uint32_t min_tick_q16 = full_tick_q16;       ///< expected, over the nominal one
+  std::uint32_t long_min_tick_q16 = full_tick_q16;  ///< the same for a long plan
+  std::uint32_t max_tick_q16 = full_tick_q16;       ///< allowed in a plan
+  bool follows_lamp = false;                        ///< as slave
 };
 
 /// One move of a plan: from the point before, or for another flash at the same one.

@@ -72,7 +72,7 @@ double slew_for(const Lamp& lamp, int gap) {
                             lamp.jitter_us * 1e-6 / lamp.period_s());
 }
 
-/// A random lamp. Jitter is at most a sixteenth of the period: with more, a quarter of a period no
+/// A random lamp. Jitter is at most an eighth of the period: with more, a quarter of a period no
 /// longer identifies the beat of an edge while only two edges are known.
 Lamp any_lamp(std::mt19937_64& random) {
   Lamp lamp;
@@ -469,7 +469,7 @@ TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
         [&](const LampEdge& edge, const EdgeInfo& info) {
           if (edge.flash == 15) {
             ASSERT_TRUE(clock.locked() && info.valid);
-            promised = clock.min_tick_q16();
+            promised = clock.min_tick_q16(32 * clock.beat_ticks());
             clock.set_least_tick(0, promised);
             clock.set_motion_end(ever);
           }
@@ -504,14 +504,18 @@ TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilThePlanHasEnded) {
     ClockBench bench(clock);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> limits;  // valid up to tick, shortest tick
     bool moving = false;
-    const double noise = 1 - 2 * lamp.jitter_us * 1e-6 / lamp.period_s() - 0.0001;
+    // Motion keeps ticks above the limit; without limits the lattice may shrink by the whole slew
+    // limit, of which min_tick_q16() includes an eighth.
+    const double noise = (1 - 2 * lamp.jitter_us * 1e-6 / lamp.period_s() - 0.0001) *
+                         (1 - lamp.slew) / (1 - lamp.slew / 8);
     bench.run(
         edges, edges.back().clock + 1,
         [&](const LampEdge&, const EdgeInfo& info) {
           moving = moving || clock.settled();
           if (moving) clock.set_motion_end(ever);
           if (moving && info.valid)
-            limits.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(), clock.min_tick_q16());
+            limits.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(),
+                                clock.min_tick_q16(24 * clock.beat_ticks()));
         },
         [&](const TickSpan& span) {
           if (testing::Test::HasFatalFailure()) return;

@@ -10,8 +10,11 @@ namespace {
 constexpr std::uint32_t job_start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long after the last points to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
-/// Limits are recalculated when the shortest tick has changed by more than this: 1/512.
-constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
+/// As slave a plan is begun when the committed motion lasts for this time more (40 ms): twice the
+/// time that planning of a window takes on the board.
+constexpr std::uint32_t plan_ahead_ticks = 40 * (ticks_per_second / 1000);
+/// As many plans as slow as the slowest one so far are finished in time.
+constexpr std::uint32_t plans_ahead = 2;
 
 }  // namespace
 
@@ -38,6 +41,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   first_ = received_ = first;
   window_.continue_at({first, 0});
   starvations_ = misses_ = 0;
+  slowest_plan_ticks_ = 0;
   job_speed_ = wire::full_job_speed;
   output_.set_lags(values);
   planning_.use_windows(options.mode);
@@ -59,7 +63,7 @@ bool JobRunner::plan_at_home() const { return work_exchange_.is_owned(); }
 
 void JobRunner::change_beat(const settings::Values& values, std::int32_t min_beats) {
   options_.min_beats = min_beats;
-  plan_.begin_job(values, clock_.beat_ticks(), min_tick_q16());
+  plan_.begin_job(values, clock_.beat_ticks(), lasting_min_tick_q16());
   brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // the numbers of beats have changed
   window_.continue_at({queue_.begin(), 0});
@@ -67,10 +71,14 @@ void JobRunner::change_beat(const settings::Values& values, std::int32_t min_bea
   returning_ = braked_ = false;
 }
 
-std::uint32_t JobRunner::min_tick_q16() const {
-  // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
-  const std::uint32_t shortest = clock_.min_tick_q16();
-  return shortest - shortest % limits_step_q16;
+std::uint32_t JobRunner::lasting_min_tick_q16() const {
+  const std::uint32_t shortest = clock_.min_tick_q16(long_plan_ticks);
+  return shortest < full_tick_q16 ? shortest : full_tick_q16;
+}
+
+std::uint32_t JobRunner::plan_min_tick_q16() const {
+  // Enough in the middle of the plan: the lattice lags the lamp for moments before the next one.
+  return clock_.min_tick_q16(plan_ahead_ticks + short_plan_ticks(clock_.beat_ticks()) / 2);
 }
 
 void JobRunner::read_outcomes() {
@@ -180,6 +188,16 @@ bool JobRunner::may_plan() {
   return !window_.empty() && !patient;
 }
 
+std::uint32_t JobRunner::ahead_ticks() const {
+  const std::uint32_t plans = plans_ahead * slowest_plan_ticks_;
+  return plans > plan_ahead_ticks ? plans : plan_ahead_ticks;
+}
+
+bool JobRunner::plan_is_due() const {
+  return clock_.mode() != settings::LampMode::slave || at_rest() ||
+         plan_state_.tick <= generator_.head() + ahead_ticks();
+}
+
 bool JobRunner::prepare(bool go) {
   waiting_for_beam_ = false;
   // In this order: an edge may occur in between.
@@ -196,16 +214,21 @@ bool JobRunner::prepare(bool go) {
 }
 
 void JobRunner::begin_plan() {
-  if (!may_plan() || !prepare_start()) return;
+  if (!may_plan() || !plan_is_due() || !prepare_start()) return;
   motion::PlanRequest& request = plan_.request();
   request.queue = &queue_;
   request.mode = options_.mode;
   request.min_beats = options_.min_beats;
   request.start = plan_state_;
   request.follows = !off_target_;
+  const bool is_slave = clock_.mode() == settings::LampMode::slave;
+  const std::uint32_t short_ticks = short_plan_ticks(clock_.beat_ticks());
   // Axes with different leads are never at rest at the same tick: no other length can begin there.
-  plan_.start({min_tick_q16(), job_speed_},
-              generator_.lead() == 0 ? clock_.max_tick_q16() : full_tick_q16);
+  plan_.start({.wanted = {plan_min_tick_q16(), job_speed_},
+               .long_tick_q16 = lasting_min_tick_q16(),
+               .max_tick_q16 = generator_.lead() == 0 ? clock_.max_tick_q16() : full_tick_q16,
+               .short_ticks = is_slave ? short_ticks : 0,
+               .may_cut = !brake_limits_.jerk_limited() && ahead_ticks() <= short_ticks});
   asked_tick_ = generator_.tick();
   handed_ = staged_ = 0;
   work_exchange_.hand_out();

@@ -17,7 +17,10 @@
 //
 // Planning is ahead of the queues: a plan is made as soon as the previous one is handed out, and
 // waits for room. It is handed out in parts, because room for a part is available earlier, and a
-// part masks interrupts only for a small part of the shortest beat.
+// part masks interrupts only for a small part of the shortest beat. As slave a plan is made only
+// plan_ahead_ticks before the committed motion ends, or twice the time of the slowest plan
+// of the job where that is more: its limits are for the lamp as it is then, and the shorter the
+// time until the plan has been run, the less the lamp can drift.
 //
 // The other functions that change motion or shots (read_outcomes, brake, halt) are called masked.
 //
@@ -156,8 +159,12 @@ class JobRunner {
   std::uint32_t starvations() const { return starvations_; }
   std::uint32_t failed_point() const { return failed_point_; }
   std::uint32_t misses() const { return misses_; }
-  /// Shortest tick to expect over the nominal one, rounded down to a coarse grid. Masked.
-  std::uint32_t min_tick_q16() const;
+  /// Shortest tick to expect over the nominal one while a plan is run that lasts long, at most
+  /// nominal: for limits that hold from one plan to the next. Masked.
+  std::uint32_t lasting_min_tick_q16() const;
+  /// Shortest tick to expect over the nominal one while a plan is run that is made now and lasts
+  /// for short_plan_ticks(). Masked.
+  std::uint32_t plan_min_tick_q16() const;
   /// Motion ended with speed; the provisional brake prevents that.
   bool underrun() const { return generator_.underrun(); }
 
@@ -190,19 +197,22 @@ class JobRunner {
   std::uint32_t part() const;
   [[gnu::cold]] void begin_plan();
   bool may_plan();
+  std::uint32_t ahead_ticks() const;
+  [[gnu::cold]] bool plan_is_due() const;
   [[gnu::cold]] bool beam_ready();
   [[gnu::cold]] bool prepare_start();
   std::uint64_t start_beat(std::uint64_t later_ticks) const;
   /// The start waits until the next plan is ready too.
   [[gnu::cold]] bool starts_late() const;
   [[gnu::cold]] void start_later();
+  [[gnu::cold]] void time_plan();
   void commit_plan();
   void write_segment(std::uint32_t i, std::uint64_t late_ticks, stepper::Segment& segment) const;
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
   stepper::MotionState brake_from(const stepper::MotionState& head);
   void take_back_provisional();
-  void keep_provisional();
+  [[gnu::cold]] void keep_provisional();
   bool provisional_begun() const { return segments_.size() < provisional_; }
 
   lamp::BeatClock& clock_;
@@ -241,6 +251,7 @@ class JobRunner {
   Place rest_next_;                  ///< the first flash after them
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
+  std::uint32_t slowest_plan_ticks_ = 0;  ///< planning time of a plan of this job
   std::uint32_t failed_point_ = 0;
   Count count_;
 };

@@ -14,14 +14,12 @@ constexpr std::uint64_t slow_plan_divisor = 2;
 bool JobRunner::starts_late() const {
   const motion::PlanRequest& request = plan_.request();
   if (!at_rest() || request.count != window_points) return false;
-  const std::uint64_t lasts =
-      plan_.segment(request.commits() - 1).end.tick - plan_.segment(0).start_tick;
-  return plan_ticks_ * slow_plan_divisor > lasts;
+  return plan_ticks_ * slow_plan_divisor > plan_.planned_ticks();
 }
 
 /// Segments of the plan that can be handed out now. Planning is ahead of the queues.
 std::uint32_t JobRunner::part() const {
-  const std::uint32_t left = plan_.request().commits() - handed_;
+  const std::uint32_t left = plan_.count() - handed_;
   const std::uint32_t next = left < part_segments ? left : part_segments;
   const std::uint32_t free = segments_.free() + provisional_;
   const std::uint32_t room = free < shots_.free() ? free : shots_.free();
@@ -77,6 +75,12 @@ void JobRunner::keep_provisional() {
   starving_ = true;
 }
 
+void JobRunner::time_plan() {
+  plan_ticks_ = generator_.tick() - asked_tick_;
+  if (plan_ticks_ > slowest_plan_ticks_)
+    slowest_plan_ticks_ = static_cast<std::uint32_t>(plan_ticks_);
+}
+
 void JobRunner::start_later() {
   if (!from_rest_) return;
   const std::uint64_t beat = start_beat(handed_ == 0 && starts_late() ? plan_ticks_ : 0);
@@ -88,7 +92,7 @@ void JobRunner::start_later() {
 void JobRunner::commit_plan() {
   const std::uint32_t first = handed_, end = handed_ + (staged_ != 0 ? staged_ : part());
   brake_limits_ = plan_.brake_limits();
-  if (first == 0) plan_ticks_ = generator_.tick() - asked_tick_;
+  if (first == 0) time_plan();
   take_back_provisional();
   const std::uint64_t staged_tick = plan_state_.tick;
   start_later();
@@ -109,7 +113,7 @@ void JobRunner::commit_plan() {
   if (!from_rest_) commit_brake();
   staged_ = 0;
   handed_ = end;
-  if (handed_ == plan_.request().commits()) work_exchange_.recall();
+  if (handed_ == plan_.count()) work_exchange_.recall();
 }
 
 void JobRunner::write_segment(std::uint32_t i, std::uint64_t late_ticks,

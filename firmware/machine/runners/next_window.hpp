@@ -34,7 +34,7 @@ struct RunOptions {
   bool dry = false;
   std::uint32_t points_total = 0;
   std::int32_t min_beats = 1;                  ///< between shots, from the maximum shot rate
-  std::uint32_t min_tick_q16 = full_tick_q16;  ///< JobRunner::min_tick_q16() at the start
+  std::uint32_t min_tick_q16 = full_tick_q16;  ///< JobRunner::lasting_min_tick_q16() at the start
   /// Of a program: the beats of a target are the minimum for its move, at the programmed feed rate.
   bool of_program = false;
   std::uint32_t feed_percent = 100, rapid_percent = 100;  ///< of a program

@@ -46,6 +46,7 @@ void WindowPlan::begin_job(const settings::Values& values, std::uint32_t beat_ti
   beat_ticks_ = beat_ticks;
   fastest_ = wire::full_job_speed;
   pace_ = {tick_q16, wire::full_job_speed};
+  is_long_ = false;
   make_limits(values, values, pace_, limits_);
   brake_limits_ = limits_;
 }
@@ -59,9 +60,10 @@ bool WindowPlan::make_limits(const settings::Values& values, const settings::Val
                              limits, setting) == Result::ok;
 }
 
-void WindowPlan::start(const Pace& wanted, std::uint32_t max_tick_q16) {
-  wanted_ = trying_ = wanted;
-  max_tick_q16_ = max_tick_q16;
+void WindowPlan::start(const PlanPace& pace) {
+  wanted_ = pace;
+  if (is_long_) wanted_.wanted.tick_q16 = pace.long_tick_q16;
+  trying_ = wanted_.wanted;
   tick_length_q16_ = full_tick_q16;
   attempt_ = Attempt::wanted;
   step_ = Step::ready;
@@ -120,6 +122,11 @@ void WindowPlan::end_attempt(bool found) {
 
 void WindowPlan::end_wanted(bool found) {
   if (found) {
+    is_long_ = choose_count();
+    if (is_long_ && trying_.tick_q16 != wanted_.long_tick_q16) {
+      wanted_.wanted.tick_q16 = trying_.tick_q16 = wanted_.long_tick_q16;
+      return;
+    }
     if (request_.limits == &new_limits_) {
       limits_ = new_limits_;
       pace_ = trying_;
@@ -130,9 +137,26 @@ void WindowPlan::end_wanted(bool found) {
     trying_.job_speed = std::min(2 * trying_.job_speed, wire::full_job_speed);
     return;
   }
-  if (wanted_ == pace_) return finish(false);
-  if (wanted_.job_speed != pace_.job_speed) request_.rest[request_.commits() - 1] = true;
+  count_ = request_.commits();
+  if (wanted_.wanted == pace_) return finish(false);
+  if (wanted_.wanted.job_speed != pace_.job_speed) request_.rest[count_ - 1] = true;
   attempt_ = Attempt::before;
+}
+
+/// Sets the number of segments to hand out. True if they last for longer than short_ticks.
+bool WindowPlan::choose_count() {
+  count_ = request_.commits();
+  if (wanted_.short_ticks == 0) return false;
+  std::uint32_t ticks = 0, count = 0, within = 0;
+  do {
+    ticks += static_cast<std::uint32_t>(segment(count).ticks);
+    if (ticks > long_plan_ticks && count != 0) break;
+    ++count;
+    if (ticks <= wanted_.short_ticks) within = count;
+  } while (count < count_);
+  const bool is_cut = wanted_.may_cut && within >= min_count;
+  count_ = is_cut ? within : count;
+  return count_ != within;
 }
 
 /// A plan was found, or none; with longer ticks there may be a better one. The length of a tick may
@@ -141,7 +165,7 @@ void WindowPlan::end_wanted(bool found) {
 void WindowPlan::finish(bool found) {
   found_ = found;
   step_ = Step::over;
-  if (!found || max_tick_q16_ == full_tick_q16 || !between_rests()) return;
+  if (!found || wanted_.max_tick_q16 == full_tick_q16 || !between_rests()) return;
   attempt_ = Attempt::longer;
   longer_ = 0;
   min_time_ = planned_ticks() * full_tick_q16;
@@ -167,17 +191,15 @@ void WindowPlan::end_longer(bool found) {
 /// Length of a tick to try: a quarter, half and all of what is permitted, then the best of them.
 std::uint32_t WindowPlan::longer_tick_q16() const {
   if (longer_ == longer_tries) return tick_length_q16_;
-  return full_tick_q16 + ((max_tick_q16_ - full_tick_q16) >> (longer_tries - 1 - longer_));
+  return full_tick_q16 + ((wanted_.max_tick_q16 - full_tick_q16) >> (longer_tries - 1 - longer_));
 }
 
 bool WindowPlan::between_rests() const {
-  return request_.start.at_rest() && segment(request_.commits() - 1).end.at_rest();
+  return request_.start.at_rest() && segment(count_ - 1).end.at_rest();
 }
 
 std::uint64_t WindowPlan::planned_ticks() const {
-  std::uint64_t ticks = 0;
-  for (std::uint32_t i = 0; i < request_.commits(); ++i) ticks += segment(i).ticks;
-  return ticks;
+  return segment(count_ - 1).end.tick - request_.start.tick;
 }
 
 }  // namespace lamplock::machine

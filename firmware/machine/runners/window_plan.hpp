@@ -1,7 +1,7 @@
 // Plans one window of a job: chooses the limits, and other limits if there is no way under these.
 //
 // In:  a request (points, start), the requested pace, the settings.
-// Out: segments of the planner, or the point that cannot be reached.
+// Out: segments of the planner, or the point that cannot be reached; how many of them to hand out.
 // Who: the job runner; start() and the functions after it are short. advance() does a slice, mostly
 //      less than a millisecond, a few where a window is set up, 10 ms at most (planner.hpp),
 //      perhaps on another core, which then owns the whole object (work_exchange.hpp).
@@ -14,6 +14,12 @@
 //            the old limits exceed the new ones: the old ones are used once more. At another job
 //            speed that plan ends at rest, from which any limits are possible
 // and then, as master of the lamp, longer ticks where they save time (period_tolerance).
+//
+// As slave the lamp drifts while a plan is run, so limits are the tighter the longer that takes.
+// The limits wanted first hold for short_plan_ticks(), and no more of the plan is handed out; the
+// next plan knows the lamp as it is then. A plan that cannot be cut so short, because its ways are
+// long, jerk is limited or planning is slow, is made again with limits for long_plan_ticks, and the
+// next plan begins with these.
 //
 // Job speed: s % is the job's speed limits times s/100, accelerations times (s/100)^2 and jerks
 // times (s/100)^3, so that the same way is run more slowly. Brakes are as hard as the fastest job
@@ -40,6 +46,23 @@ struct Pace {
   friend bool operator==(const Pace&, const Pace&) = default;
 };
 
+/// As slave a plan is handed out up to this time after its start (100 ms, 8 beats or more), ...
+constexpr std::uint32_t short_plan_ticks(std::uint32_t beat_ticks) {
+  constexpr std::uint32_t least = ticks_per_second / 10, least_beats = 8;
+  return least_beats * beat_ticks > least ? least_beats * beat_ticks : least;
+}
+/// ... or up to this one, with limits for more drift (2 s).
+inline constexpr std::uint32_t long_plan_ticks = 2 * ticks_per_second;
+
+/// Conditions of a plan.
+struct PlanPace {
+  Pace wanted;                                  ///< as slave for a plan of short_ticks
+  std::uint32_t long_tick_q16 = full_tick_q16;  ///< shortest tick within long_plan_ticks
+  std::uint32_t max_tick_q16 = full_tick_q16;   ///< maximum length of a tick, as master
+  std::uint32_t short_ticks = 0;                ///< as slave short_plan_ticks(), otherwise 0
+  bool may_cut = false;                         ///< a plan may be cut to short_ticks
+};
+
 /// Plans one window at a time.
 class WindowPlan {
  public:
@@ -49,8 +72,8 @@ class WindowPlan {
 
   motion::PlanRequest& request() { return request_; }
   const motion::PlanRequest& request() const { return request_; }
-  /// Begins to plan the request. `max_tick_q16`: maximum length of a tick, as master.
-  [[gnu::cold]] void start(const Pace& wanted, std::uint32_t max_tick_q16);
+  /// Begins to plan the request.
+  [[gnu::cold]] void start(const PlanPace& pace);
 
   /// Plans a slice; false when there is nothing left to do.
   bool advance(const settings::Values& values, const settings::Values& own);
@@ -58,6 +81,10 @@ class WindowPlan {
   /// The target is reached; otherwise failed() is the index in the request where the way ends.
   bool found() const { return found_; }
   std::uint32_t failed() const { return planner_.failed(); }
+  /// Number of segments to hand out, at least 1.
+  std::uint32_t count() const { return count_; }
+  /// Duration of these.
+  std::uint64_t planned_ticks() const;
   const stepper::Segment& segment(std::uint32_t i) const { return planner_.segment(i); }
   std::int32_t beats(std::uint32_t i) const { return planner_.beats(i); }
 
@@ -70,6 +97,8 @@ class WindowPlan {
   enum class Step : std::uint8_t { ready, planning, over };
   enum class Attempt : std::uint8_t { wanted, before, longer };
   static constexpr std::uint32_t longer_tries = 3;
+  /// A plan is not cut to fewer segments: windows would be planned again for each of them.
+  static constexpr std::uint32_t min_count = 2;
 
   bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
                    motion::Limits& limits) const;
@@ -79,26 +108,27 @@ class WindowPlan {
   void end_wanted(bool found);
   void end_longer(bool found);
   void finish(bool found);
+  bool choose_count();
   bool between_rests() const;
-  std::uint64_t planned_ticks() const;
   std::uint32_t longer_tick_q16() const;
 
   motion::Planner planner_;
   motion::PlanRequest request_;
   motion::Limits limits_, new_limits_;
   motion::BrakeLimits brake_limits_;
-  Pace pace_;    ///< of limits_
-  Pace wanted_;  ///< at start()
+  Pace pace_;        ///< of limits_
+  PlanPace wanted_;  ///< at start()
   Pace trying_;
   std::uint32_t beat_ticks_ = 1;
   std::uint32_t fastest_ = wire::full_job_speed;  ///< job speed so far
-  std::uint32_t max_tick_q16_ = full_tick_q16;
+  std::uint32_t count_ = 0;
   std::uint32_t tick_length_q16_ = full_tick_q16;
   std::uint32_t longer_ = 0;    ///< tries of longer ticks so far
   std::uint64_t min_time_ = 0;  ///< of them; ticks times their length
   Step step_ = Step::over;
   Attempt attempt_ = Attempt::wanted;
   bool found_ = false;
+  bool is_long_ = false;  ///< the last plan was for long_plan_ticks
 };
 
 }  // namespace lamplock::machine
