@@ -23,8 +23,8 @@ struct Kind {
 constexpr Kind kinds[] = {{50, 0.5, 0.1}, {50, 2.5, 0.1}, {100, 2, 0.1},
                           {100, 4, 0.1},  {100, 10, 0.1}, {200, 10, 1}};
 
-/// A sine of 4 s that changes by at most 0.3 %/s.
-constexpr double wander_period_s = 4;
+/// A sine of 2 s that changes by at most 0.3 %/s.
+constexpr double wander_period_s = 2;
 constexpr double wander_of_drift = 0.003 * wander_period_s / std::numbers::pi;
 
 /// What the lamp does besides its nominal period.
