@@ -13,7 +13,7 @@ constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 
 /// As slave a plan is begun when the committed motion lasts for this time more (40 ms): twice the
 /// time that planning of a window takes on the board.
 constexpr std::uint32_t plan_ahead_ticks = 40 * (ticks_per_second / 1000);
-/// As many plans as slow as the slowest one so far are finished in time.
+/// It is begun earlier if this many times the longest planning time of the job takes longer.
 constexpr std::uint32_t plans_ahead = 2;
 
 }  // namespace
@@ -77,7 +77,8 @@ std::uint32_t JobRunner::lasting_min_tick_q16() const {
 }
 
 std::uint32_t JobRunner::plan_min_tick_q16() const {
-  // Enough in the middle of the plan: the lattice lags the lamp for moments before the next one.
+  // The drift up to the middle of the plan. In its second half the share of the slew limit in the
+  // limits covers most of the rest; the lattice may lag the lamp by some microseconds.
   return clock_.min_tick_q16(plan_ahead_ticks + short_plan_ticks(clock_.beat_ticks()) / 2);
 }
 

@@ -251,7 +251,7 @@ class JobRunner {
   Place rest_next_;                  ///< the first flash after them
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
-  std::uint32_t slowest_plan_ticks_ = 0;  ///< planning time of a plan of this job
+  std::uint32_t slowest_plan_ticks_ = 0;  ///< the longest planning time of this job
   std::uint32_t failed_point_ = 0;
   Count count_;
 };

@@ -61,9 +61,9 @@ bool WindowPlan::make_limits(const settings::Values& values, const settings::Val
 }
 
 void WindowPlan::start(const PlanPace& pace) {
-  wanted_ = pace;
-  if (is_long_) wanted_.wanted.tick_q16 = pace.long_tick_q16;
-  trying_ = wanted_.wanted;
+  conditions_ = pace;
+  if (is_long_) conditions_.wanted.tick_q16 = pace.long_tick_q16;
+  trying_ = conditions_.wanted;
   tick_length_q16_ = full_tick_q16;
   attempt_ = Attempt::wanted;
   step_ = Step::ready;
@@ -123,8 +123,8 @@ void WindowPlan::end_attempt(bool found) {
 void WindowPlan::end_wanted(bool found) {
   if (found) {
     is_long_ = choose_count();
-    if (is_long_ && trying_.tick_q16 != wanted_.long_tick_q16) {
-      wanted_.wanted.tick_q16 = trying_.tick_q16 = wanted_.long_tick_q16;
+    if (is_long_ && trying_.tick_q16 != conditions_.long_tick_q16) {
+      conditions_.wanted.tick_q16 = trying_.tick_q16 = conditions_.long_tick_q16;
       return;
     }
     if (request_.limits == &new_limits_) {
@@ -138,23 +138,23 @@ void WindowPlan::end_wanted(bool found) {
     return;
   }
   count_ = request_.commits();
-  if (wanted_.wanted == pace_) return finish(false);
-  if (wanted_.wanted.job_speed != pace_.job_speed) request_.rest[count_ - 1] = true;
+  if (conditions_.wanted == pace_) return finish(false);
+  if (conditions_.wanted.job_speed != pace_.job_speed) request_.rest[count_ - 1] = true;
   attempt_ = Attempt::before;
 }
 
 /// Sets the number of segments to hand out. True if they last for longer than short_ticks.
 bool WindowPlan::choose_count() {
   count_ = request_.commits();
-  if (wanted_.short_ticks == 0) return false;
+  if (conditions_.short_ticks == 0) return false;
   std::uint32_t ticks = 0, count = 0, within = 0;
   do {
     ticks += static_cast<std::uint32_t>(segment(count).ticks);
     if (ticks > long_plan_ticks && count != 0) break;
     ++count;
-    if (ticks <= wanted_.short_ticks) within = count;
+    if (ticks <= conditions_.short_ticks) within = count;
   } while (count < count_);
-  const bool is_cut = wanted_.may_cut && within >= min_count;
+  const bool is_cut = conditions_.may_cut && within >= min_count;
   count_ = is_cut ? within : count;
   return count_ != within;
 }
@@ -165,7 +165,7 @@ bool WindowPlan::choose_count() {
 void WindowPlan::finish(bool found) {
   found_ = found;
   step_ = Step::over;
-  if (!found || wanted_.max_tick_q16 == full_tick_q16 || !between_rests()) return;
+  if (!found || conditions_.max_tick_q16 == full_tick_q16 || !between_rests()) return;
   attempt_ = Attempt::longer;
   longer_ = 0;
   min_time_ = planned_ticks() * full_tick_q16;
@@ -191,7 +191,8 @@ void WindowPlan::end_longer(bool found) {
 /// Length of a tick to try: a quarter, half and all of what is permitted, then the best of them.
 std::uint32_t WindowPlan::longer_tick_q16() const {
   if (longer_ == longer_tries) return tick_length_q16_;
-  return full_tick_q16 + ((wanted_.max_tick_q16 - full_tick_q16) >> (longer_tries - 1 - longer_));
+  return full_tick_q16 +
+         ((conditions_.max_tick_q16 - full_tick_q16) >> (longer_tries - 1 - longer_));
 }
 
 bool WindowPlan::between_rests() const {

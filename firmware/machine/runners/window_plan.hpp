@@ -46,12 +46,13 @@ struct Pace {
   friend bool operator==(const Pace&, const Pace&) = default;
 };
 
-/// As slave a plan is handed out up to this time after its start (100 ms, 8 beats or more), ...
+/// As slave a plan that can be cut is handed out up to this time after its start: 100 ms, or 8
+/// beats where these take longer.
 constexpr std::uint32_t short_plan_ticks(std::uint32_t beat_ticks) {
-  constexpr std::uint32_t least = ticks_per_second / 10, least_beats = 8;
-  return least_beats * beat_ticks > least ? least_beats * beat_ticks : least;
+  constexpr std::uint32_t min_ticks = ticks_per_second / 10, min_beats = 8;
+  return min_beats * beat_ticks > min_ticks ? min_beats * beat_ticks : min_ticks;
 }
-/// ... or up to this one, with limits for more drift (2 s).
+/// As slave any other plan is handed out up to 2 s after its start, with limits for more drift.
 inline constexpr std::uint32_t long_plan_ticks = 2 * ticks_per_second;
 
 /// Conditions of a plan.
@@ -116,8 +117,8 @@ class WindowPlan {
   motion::PlanRequest request_;
   motion::Limits limits_, new_limits_;
   motion::BrakeLimits brake_limits_;
-  Pace pace_;        ///< of limits_
-  PlanPace wanted_;  ///< at start()
+  Pace pace_;            ///< of limits_
+  PlanPace conditions_;  ///< at start()
   Pace trying_;
   std::uint32_t beat_ticks_ = 1;
   std::uint32_t fastest_ = wire::full_job_speed;  ///< job speed so far
@@ -128,7 +129,7 @@ class WindowPlan {
   Step step_ = Step::over;
   Attempt attempt_ = Attempt::wanted;
   bool found_ = false;
-  bool is_long_ = false;  ///< the last plan was for long_plan_ticks
+  bool is_long_ = false;  ///< the last plan had limits for long_plan_ticks
 };
 
 }  // namespace lamplock::machine
