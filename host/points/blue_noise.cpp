@@ -13,6 +13,7 @@
 #include "host/points/dart_gaps.hpp"
 #include "host/points/poisson_blocks.hpp"
 #include "host/points/surface_blocks.hpp"
+#include "host/points/triangle_piece.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -22,54 +23,19 @@ namespace {
 /// distance).
 constexpr double saturated = 0.547 / (3.14159265358979 / 4);
 
-/// Darts per square distance in each round. Blocks of a round are processed one after the other;
-/// short first rounds prevent full blocks next to empty ones.
-constexpr std::array<double, 4> rounds{0.25, 0.5, 1, 2};
+/// Darts per square distance in each round. Blocks of a round are processed one after the other; a
+/// short first round prevents full blocks next to empty ones.
+constexpr std::array<double, 2> rounds{0.5, 2.5};
 
-/// Pieces longer than this fraction of the distance are hardly ever covered by one point.
+/// Pieces longer than this fraction of the distance are divided before they get a dart.
 constexpr double max_piece = 0.75;
+/// A search finds the darts for all parts of a piece up to this length.
+constexpr double max_searched = 4 * max_piece;
 /// Shorter pieces are dropped: their places are further than the distance from a point by at most
 /// this.
 constexpr double min_piece = 1.0 / 32;
 
-struct TrianglePiece {
-  Corners corners;
-  std::uint32_t triangle = 0;
-  double radius_mm = 0;
-  double measure() const { return area_of(corners); }
-  geometry::Bounds box() const { return geometry::bounds(corners); }
-  template <class Darts>
-  bool is_covered(const Darts& darts) const {
-    return darts.is_covered(corners, radius_mm);
-  }
-};
-
-geometry::Point between(const geometry::Point& p, const geometry::Point& q) {
-  return {(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2};
-}
-
-/// Index i of the longest side, from corner i to i + 1, and its length.
-std::pair<std::size_t, double> max_side(const Corners& corners) {
-  std::size_t longest = 0;
-  double square = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double side = square_of_distance(corners[i], corners[(i + 1) % 3]);
-    if (side > square) {
-      square = side;
-      longest = i;
-    }
-  }
-  return {longest, std::sqrt(square)};
-}
-
-/// The two halves of a triangle, cut at its longest side.
-std::array<Corners, 2> halves(const Corners& corners, std::size_t longest) {
-  const geometry::Point& a = corners[longest];
-  const geometry::Point& b = corners[(longest + 1) % 3];
-  const geometry::Point& c = corners[(longest + 2) % 3];
-  const geometry::Point middle = between(a, b);
-  return {Corners{a, middle, c}, Corners{middle, b, c}};
-}
+using SeenTriangle = SeenPiece<TrianglePiece>;
 
 geometry::Point random_place(const Corners& corners, geometry::Random& random) {
   double b = random.uniform(), c = random.uniform();
@@ -100,27 +66,60 @@ class Surface {
     return {place, radius_for(density), part >= 1 || random.uniform() < part};
   }
 
-  std::optional<Dart> dart_in(const TrianglePiece& piece, geometry::Random& random) const {
+  Dart dart_in(const TrianglePiece& piece, geometry::Random& random) const {
     return dart_at(random_place(piece.corners, random), piece.triangle, random);
   }
 
-  void split(const TrianglePiece& piece, std::vector<TrianglePiece>& smaller) const {
-    const auto [longest, length] = max_side(piece.corners);
-    if (length <= min_piece * piece.radius_mm) return;
-    for (const Corners& half : halves(piece.corners, longest)) {
-      for (const Corners& quarter : halves(half, max_side(half).first)) {
-        smaller.push_back(piece_of(quarter, piece.triangle));
+  bool contains(const TrianglePiece&, const geometry::Point&) const { return true; }
+
+  /// Calls `found` with each half that is not covered.
+  template <class Found>
+  void halve(const SeenTriangle& whole, const NearDarts& near, const Found& found) const {
+    const SideCut cut(whole.piece);
+    const auto& seen = whole.at_corner;
+    const DartSet at_middle = near.excluding(cut.middle, whole.piece.radius_mm);
+    const DartSet all = seen[cut.c] & at_middle;
+    for (const bool first : {true, false}) {
+      // With one radius for all darts, most parts need no more than this.
+      if (!tone_ && (all & seen[first ? cut.a : cut.b]) != 0) continue;
+      SeenTriangle half{cut.half(whole.piece, first),
+                        first ? std::array{seen[cut.a], at_middle, seen[cut.c]}
+                              : std::array{at_middle, seen[cut.b], seen[cut.c]}};
+      if (tone_) {
+        half.piece.radius_mm = radius_of(half.piece);
+        half.look(near);
+        if (half.is_covered()) continue;
       }
+      found(half);
     }
   }
 
+  /// Calls `found` with each quarter that is not covered.
+  template <class Found>
+  void split(const TrianglePiece& piece, const NearDarts& near, const Found& found) const {
+    const double least_mm = min_piece * piece.radius_mm;
+    if (piece.longest_mm2() <= least_mm * least_mm) return;
+    SeenTriangle whole{piece};
+    whole.look(near);
+    halve(whole, near, [&](const SeenTriangle& half) { halve(half, near, found); });
+  }
+
   TrianglePiece piece_of(const Corners& corners, std::uint32_t triangle) const {
-    if (!tone_) return {corners, triangle, distance_};
+    TrianglePiece piece{corners, {}, area_of(corners), distance_, triangle};
+    for (std::size_t i = 0; i < 3; ++i)
+      piece.sides_mm2[i] = square_of_distance(corners[i], corners[next_corner(i)]);
+    piece.radius_mm = radius_of(piece);
+    return piece;
+  }
+
+  /// The smallest radius at a corner.
+  double radius_of(const TrianglePiece& piece) const {
+    if (!tone_) return distance_;
     double radius = max_radius_distances * distance_;
-    for (const geometry::Point& corner : corners) {
-      radius = std::min(radius, radius_for(density_at(corner, triangle)));
+    for (const geometry::Point& corner : piece.corners) {
+      radius = std::min(radius, radius_for(density_at(corner, piece.triangle)));
     }
-    return {corners, triangle, radius};
+    return radius;
   }
 
   const model::Mesh& mesh() const { return mesh_; }
@@ -149,6 +148,18 @@ struct BlockSurface {
   std::vector<std::uint32_t> triangles;  // of each piece
   std::vector<double> areas;             // of all pieces up to each
 
+  /// The piece where the sum of areas exceeds `area`. The compiler makes no branches of this
+  /// search, half of which the processor would predict wrongly.
+  std::size_t piece_at(double area) const {
+    const double* first = areas.data();
+    for (std::size_t left = areas.size(); left > 1;) {
+      const std::size_t half = left / 2;
+      first += first[half - 1] <= area ? half : 0;
+      left -= half;
+    }
+    return static_cast<std::size_t>(first - areas.data());
+  }
+
   BlockSurface(const model::Mesh& mesh, std::span<const std::uint32_t> in_block,
                const geometry::Bounds& box) {
     double area = 0;
@@ -169,38 +180,61 @@ void throw_darts(BlockDarts& block, const BlockSurface& part, const Surface& sur
   // A fraction of a dart is the probability of one more.
   const auto count = static_cast<std::size_t>(area * per_mm2 + random.uniform());
   for (std::size_t i = 0; i < count; ++i) {
-    const auto found =
-        std::upper_bound(part.areas.begin(), part.areas.end() - 1, random.uniform() * area);
-    const auto piece = static_cast<std::size_t>(found - part.areas.begin());
+    const std::size_t piece = part.piece_at(random.uniform() * area);
     const Dart dart =
         surface.dart_at(random_place(part.pieces[piece], random), part.triangles[piece], random);
     if (block.is_free(dart.place, dart.radius_mm)) block.add(dart);
   }
 }
 
-/// Halves a piece until its parts are short or covered.
-void gather_open(const BlockDarts& block, const Surface& surface, const TrianglePiece& piece,
-                 double max_mm, std::vector<TrianglePiece>& open) {
-  const auto [longest, length] = max_side(piece.corners);
-  // Larger pieces are hardly ever covered: the search would not pay.
-  if (length < 2 * max_mm && piece.is_covered(block)) return;
-  if (length <= max_mm) {
-    open.push_back(piece);
-    return;
+/// The open pieces of a surface in a block.
+class OpenTriangles {
+ public:
+  OpenTriangles(BlockDarts& block, const Surface& surface, double distance_mm,
+                geometry::Random& random)
+      : surface_(surface), distance_(distance_mm), gaps_(block, surface, random) {}
+
+  /// Halves a piece until its parts are short or covered.
+  void add(const TrianglePiece& piece) {
+    if (is_longer(piece, max_searched)) {
+      const SideCut cut(piece);
+      for (const bool first : {true, false}) {
+        TrianglePiece half = cut.half(piece, first);
+        half.radius_mm = surface_.radius_of(half);
+        add(half);
+      }
+      return;
+    }
+    SeenTriangle seen{piece};
+    const NearDarts& near = gaps_.look_round(piece);
+    seen.look(near);
+    if (!seen.is_covered()) add_open(seen, near);
   }
-  for (const Corners& half : halves(piece.corners, longest)) {
-    gather_open(block, surface, surface.piece_of(half, piece.triangle), max_mm, open);
+
+  void fill() { gaps_.fill(); }
+
+ private:
+  bool is_longer(const TrianglePiece& piece, double distances) const {
+    return piece.longest_mm2() > distances * distances * distance_ * distance_;
   }
-}
+
+  void add_open(const SeenTriangle& seen, const NearDarts& near) {
+    if (!is_longer(seen.piece, max_piece)) return gaps_.add(seen.piece);
+    surface_.halve(seen, near, [&](const SeenTriangle& half) { add_open(half, near); });
+  }
+
+  const Surface& surface_;
+  double distance_;
+  GapFiller<TrianglePiece, Surface> gaps_;
+};
 
 void fill_block(BlockDarts& block, const BlockSurface& part, const Surface& surface,
                 double distance_mm, geometry::Random& random) {
-  std::vector<TrianglePiece> open;
+  OpenTriangles open(block, surface, distance_mm, random);
   for (std::size_t i = 0; i < part.pieces.size(); ++i) {
-    gather_open(block, surface, surface.piece_of(part.pieces[i], part.triangles[i]),
-                max_piece * distance_mm, open);
+    open.add(surface.piece_of(part.pieces[i], part.triangles[i]));
   }
-  fill_gaps(block, std::move(open), random, surface);
+  open.fill();
 }
 
 double area_of_mesh(const model::Mesh& mesh) {

@@ -1,63 +1,194 @@
 // Fills the gaps between random darts: pieces that no single dart covers get a dart each in random
-// order, and pieces that are still open are divided until they are small enough. Called by
-// blue_noise() with triangles and by fill_solid() with cubes.
+// order, and pieces that are still open are divided until they are small enough. In: pieces of a
+// body and the darts of a block. Out: more darts. Called by blue_noise() with triangles and by
+// fill_solid() with cubes.
+//
+// A dart covers a piece if it excludes other darts from all corners. So each corner has the set of
+// darts that exclude others from it, and a piece is covered if a dart is in all of its sets. Parts
+// of a piece share most corners: only new corners need a comparison with the darts near the piece.
+//
+// Every piece refers to a list of the darts near it; its parts use the same list. Darts that are
+// added later are found by their number when it is the turn of the piece.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <boost/sort/pdqsort/pdqsort.hpp>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "host/geometry/random.hpp"
+#include "host/points/near_darts.hpp"
 #include "host/points/poisson_blocks.hpp"
 
 namespace lamplock::points {
 
-/// A Piece has measure() (area or volume), radius_mm, box(), and is_covered(darts). A Body gives
-///   std::optional<Dart> dart_in(const Piece&, Random&)   empty outside the body,
-///   void split(const Piece&, std::vector<Piece>&)        adds nothing if the piece is too small.
-///
-/// Darts near most parts of a divided piece cover them already. Such parts get no turn: that saves
-/// sorting them and a search for darts near each. They still take their random number, so that the
-/// points do not depend on when a covered part is found.
-template <class Piece, class Body>
-void fill_gaps(BlockDarts& block, std::vector<Piece> pieces, geometry::Random& random,
-               const Body& body) {
-  std::vector<Piece> smaller;
-  std::vector<bool> covered(pieces.size(), false), smaller_covered;  // of each piece
-  std::vector<std::pair<double, std::uint32_t>> turns;
-  NearDarts near;
-  while (!pieces.empty()) {
-    turns.clear();
-    for (std::uint32_t i = 0; i < pieces.size(); ++i) {
-      const double uniform = random.uniform();
-      if (covered[i]) continue;
-      // Random times of the first of uniformly distributed darts: earlier for larger pieces.
-      turns.emplace_back(-std::log(1 - uniform) / pieces[i].measure(), i);
-    }
-    std::sort(turns.begin(), turns.end());
-    smaller.clear();
-    smaller_covered.clear();
-    for (const auto& turn : turns) {
-      const Piece& piece = pieces[turn.second];
-      if (piece.is_covered(block)) continue;
-      const auto dart = body.dart_in(piece, random);
-      if (dart && block.is_free(dart->place, dart->radius_mm)) {
-        block.add(*dart);
-        near.clear();
-        near.add(dart->place, dart->radius_mm);
-        if (piece.is_covered(near)) continue;  // no other dart covers it
-      }
-      body.split(piece, smaller);
-      if (smaller.size() > smaller_covered.size())
-        block.find_near(piece.box(), piece.radius_mm, near);
-      for (std::size_t i = smaller_covered.size(); i < smaller.size(); ++i)
-        smaller_covered.push_back(smaller[i].is_covered(near));
-    }
-    pieces.swap(smaller);
-    covered.swap(smaller_covered);
+/// A ball.
+struct Ball {
+  geometry::Point centre;
+  double radius_mm = 0;
+};
+
+/// A piece and, for each corner, the darts that exclude others from it. A Piece has corner_count,
+/// corner(i), ball() (one that contains the piece), measure() (area or volume) and radius_mm (of
+/// darts in it).
+template <class Piece>
+struct SeenPiece {
+  Piece piece;
+  std::array<DartSet, Piece::corner_count> at_corner{};
+
+  /// Compares all corners with the darts from number `first`.
+  void look(const NearDarts& near, std::size_t first = 0) {
+    for (std::size_t i = 0; i < at_corner.size(); ++i)
+      at_corner[i] = near.excluding(piece.corner(i), piece.radius_mm, first);
   }
-}
+  bool is_covered() const {
+    DartSet at_all = ~DartSet{0};
+    for (const DartSet set : at_corner) at_all &= set;
+    return at_all != 0;
+  }
+};
+
+/// A Body gives
+///   Dart dart_in(const Piece&, Random&)            a random one,
+///   bool contains(const Piece&, const Point&)      a place in the piece is in the body too,
+///   void split(const Piece&, const NearDarts&, found)
+///       calls found(const SeenPiece<Piece>&) with each part that is not covered; does nothing if
+///       the piece is too small.
+template <class Piece, class Body>
+class GapFiller {
+ public:
+  GapFiller(BlockDarts& block, const Body& body, geometry::Random& random)
+      : block_(block), body_(body), random_(random) {}
+
+  /// Finds the darts near a piece, for add() with its parts.
+  const NearDarts& look_round(const Piece& piece) {
+    // The last list may have got no piece.
+    indices_.resize(open_.empty() ? 0 : open_.back().list.first + open_.back().list.count);
+    list_ = {static_cast<std::uint32_t>(indices_.size()), 0, 0, piece.radius_mm};
+    near_.clear();
+    new_indices_.clear();
+    find_new(piece);
+    list_new();
+    return near_;
+  }
+
+  /// Adds a piece that is not covered; look_round() has found the darts near it.
+  void add(const Piece& piece) { open_.push_back({piece, list_}); }
+
+  /// Fills the gaps in all pieces.
+  void fill() {
+    constexpr std::size_t turns_ahead = 8;  // of the piece that the processor loads
+    while (!open_.empty()) {
+      choose_turns();
+      for (std::size_t i = 0; i < turns_.size(); ++i) {
+        if (i + turns_ahead < turns_.size()) __builtin_prefetch(&open_at(turns_[i + turns_ahead]));
+        fill(open_at(turns_[i]));
+      }
+      open_.swap(smaller_);
+      smaller_.clear();
+    }
+  }
+
+ private:
+  /// Darts near a piece: a range of `indices_`.
+  struct List {
+    std::uint32_t first = 0, count = 0;
+    BlockDarts::Index compared = 0;  // darts of the block up to now
+    double reach_mm = 0;             // all darts of them nearer to the piece than this are listed
+  };
+  struct Open {
+    Piece piece;
+    List list;
+  };
+
+  const Open& open_at(std::uint64_t turn) const { return open_[turn & 0xFFFFFFFF]; }
+
+  /// Random times of the first of uniformly distributed darts: earlier for larger pieces. A turn is
+  /// the time, whose bits as positive float have its order, and the number of the piece.
+  void choose_turns() {
+    turns_.clear();
+    turns_.reserve(open_.size());
+    for (std::uint32_t i = 0; i < open_.size(); ++i) {
+      const auto time =
+          static_cast<float>(-std::log(1 - random_.uniform()) / open_[i].piece.measure());
+      turns_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(time)} << 32 | i);
+    }
+    boost::sort::pdqsort_branchless(turns_.begin(), turns_.end());
+  }
+
+  void fill(const Open& open) {
+    const Piece& piece = open.piece;
+    load(open.list);
+    if (find_new(piece) && is_covered(piece, open.list.count)) return;
+    const Dart dart = body_.dart_in(piece, random_);
+    if (is_free(dart) && body_.contains(piece, dart.place)) {
+      new_indices_.push_back(block_.size());
+      block_.add(dart);
+      near_.add(dart.place, dart.radius_mm);
+      if (is_covered(piece, near_.size() - 1)) return;
+    }
+    bool listed = false;
+    body_.split(piece, near_, [&](const SeenPiece<Piece>& part) {
+      if (!listed) list_new();
+      listed = true;
+      smaller_.push_back({part.piece, list_});
+    });
+  }
+
+  void load(const List& list) {
+    list_ = list;
+    near_.clear();
+    new_indices_.clear();
+    for (const BlockDarts::Index i : std::span(indices_).subspan(list.first, list.count))
+      near_.add(block_.place(i), block_.radius_mm(i));
+  }
+
+  /// Finds the darts near a piece that were added after its list. Returns whether there are any.
+  bool find_new(const Piece& piece) {
+    if (list_.compared == block_.size()) return false;
+    const Ball ball = piece.ball();
+    block_.find_near(list_.compared, ball.centre, ball.radius_mm + list_.reach_mm, new_indices_);
+    for (const BlockDarts::Index i : new_indices_) near_.add(block_.place(i), block_.radius_mm(i));
+    return near_.size() != list_.count;
+  }
+
+  /// One of the darts from number `first` covers the piece.
+  bool is_covered(const Piece& piece, std::size_t first) const {
+    SeenPiece<Piece> seen{piece};
+    seen.look(near_, first);
+    return seen.is_covered();
+  }
+
+  bool is_free(const Dart& dart) const {
+    if (dart.radius_mm > list_.reach_mm) return block_.is_free(dart.place, dart.radius_mm);
+    return near_.excluding(dart.place, dart.radius_mm * (1 + block_rounding)) == 0;
+  }
+
+  /// Makes the list for the parts of a piece: that of the piece and the new darts.
+  void list_new() {
+    list_.compared = block_.size();
+    if (new_indices_.empty()) return;
+    const std::uint32_t old = list_.first;
+    list_.first = static_cast<std::uint32_t>(indices_.size());
+    for (std::uint32_t i = old; i < old + list_.count; ++i) indices_.push_back(indices_[i]);
+    indices_.insert(indices_.end(), new_indices_.begin(), new_indices_.end());
+    list_.count = static_cast<std::uint32_t>(near_.size());
+    indices_.resize(list_.first + list_.count);
+    if (near_.is_full()) list_.reach_mm = 0;
+  }
+
+  BlockDarts& block_;
+  const Body& body_;
+  geometry::Random& random_;
+  std::vector<Open> open_, smaller_;
+  std::vector<std::uint64_t> turns_;
+  BlockDarts::List indices_, new_indices_;
+  NearDarts near_;
+  List list_;  // of the darts in `near_`, without those of `new_indices_`
+};
 
 }  // namespace lamplock::points

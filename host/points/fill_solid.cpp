@@ -44,30 +44,32 @@ geometry::Point corner_of(const geometry::Point& low, double side, std::size_t i
           low.z + ((i & 4) != 0 ? side : 0)};
 }
 
+geometry::Point centre_of(const geometry::Point& low, double side) {
+  return {low.x + side / 2, low.y + side / 2, low.z + side / 2};
+}
+
 struct CubePiece {
   geometry::Point low;
   double side_mm = 0;
   bool at_surface = false;
   double radius_mm = 0;
+
+  static constexpr std::size_t corner_count = 8;
+  geometry::Point corner(std::size_t i) const { return corner_of(low, side_mm, i); }
   double measure() const { return side_mm * side_mm * side_mm; }
-  geometry::Bounds box() const {
-    return {low, {low.x + side_mm, low.y + side_mm, low.z + side_mm}};
-  }
-  template <class Darts>
-  bool is_covered(const Darts& darts) const {
-    return darts.is_covered(low, side_mm, radius_mm);
+  Ball ball() const {
+    constexpr double half_diagonal = 0.8660254037845;  // 3^0.5 / 2, rounded up
+    return {centre_of(low, side_mm), half_diagonal * side_mm};
   }
 };
+
+using SeenCube = SeenPiece<CubePiece>;
 
 /// A cube of one distance.
 struct Cell {
   geometry::Point low;
   bool at_surface = false;
 };
-
-geometry::Point centre_of(const geometry::Point& low, double side) {
-  return {low.x + side / 2, low.y + side / 2, low.z + side / 2};
-}
 
 /// The body, its distance and density.
 class Body {
@@ -93,20 +95,22 @@ class Body {
     return found;
   }
 
-  /// A random dart in a cube, if that place is inside.
-  std::optional<Dart> dart_in(const geometry::Point& low, double side, bool at_surface,
-                              geometry::Random& random) const {
+  /// A random dart in a cube, maybe outside the body.
+  Dart dart_in(const geometry::Point& low, double side, geometry::Random& random) const {
     const geometry::Point place{low.x + side * random.uniform(), low.y + side * random.uniform(),
                                 low.z + side * random.uniform()};
-    if (at_surface && !contains(place)) return std::nullopt;
     const double radius = radius_at(place);
     const double most = max_radius_distances * options_.distance_mm;
-    if (radius <= most) return Dart{place, radius, true};
-    return Dart{place, most, random.uniform() < std::pow(most / radius, 3)};
+    if (radius <= most) return {place, radius, true};
+    return {place, most, random.uniform() < std::pow(most / radius, 3)};
   }
 
-  std::optional<Dart> dart_in(const CubePiece& piece, geometry::Random& random) const {
-    return dart_in(piece.low, piece.side_mm, piece.at_surface, random);
+  Dart dart_in(const CubePiece& piece, geometry::Random& random) const {
+    return dart_in(piece.low, piece.side_mm, random);
+  }
+
+  bool contains(const CubePiece& piece, const geometry::Point& place) const {
+    return !piece.at_surface || contains(place);
   }
 
   CubePiece piece_of(const geometry::Point& low, double side, bool at_surface) const {
@@ -118,12 +122,30 @@ class Body {
     return piece;
   }
 
-  void split(const CubePiece& piece, std::vector<CubePiece>& smaller) const {
+  /// Calls `found` with each eighth of a cube that is not covered.
+  template <class Found>
+  void split(const CubePiece& piece, const NearDarts& near, const Found& found) const {
     const double half = piece.side_mm / 2;
     constexpr double rounding = 1e-9;
     if (half < min_cube * piece.radius_mm * (1 - rounding)) return;
+    std::array<DartSet, 27> at_corner{};  // of all parts: three in a row, from low to high
+    const auto at = [half](double low, std::size_t i) {
+      return low + static_cast<double>(i) * half;
+    };
+    for (std::size_t i = 0; i < at_corner.size(); ++i) {
+      at_corner[i] = near.excluding(
+          {at(piece.low.x, i % 3), at(piece.low.y, i / 3 % 3), at(piece.low.z, i / 9)},
+          piece.radius_mm);
+    }
+    const auto in_row = [](std::size_t i) { return (i & 1) + 3 * (i >> 1 & 1) + 9 * (i >> 2); };
     for (std::size_t i = 0; i < 8; ++i) {
-      smaller.push_back(piece_of(corner_of(piece.low, half, i), half, piece.at_surface));
+      SeenCube part{piece_of(corner_of(piece.low, half, i), half, piece.at_surface)};
+      if (options_.light_depth_mm > 0) {
+        part.look(near);  // it has a radius of its own
+      } else {
+        for (std::size_t k = 0; k < 8; ++k) part.at_corner[k] = at_corner[in_row(i) + in_row(k)];
+      }
+      if (!part.is_covered()) found(part);
     }
   }
 
@@ -219,22 +241,20 @@ void throw_darts(BlockDarts& block, std::span<const Cell> cells, const Body& bod
   const auto count = static_cast<std::size_t>(size * per_cell + random.uniform());
   for (std::size_t i = 0; i < count; ++i) {
     const Cell& cell = cells[static_cast<std::size_t>(random.uniform() * size)];
-    const auto dart = body.dart_in(cell.low, distance_mm, cell.at_surface, random);
-    if (dart && block.is_free(dart->place, dart->radius_mm)) block.add(*dart);
+    const Dart dart = body.dart_in(cell.low, distance_mm, random);
+    if (!block.is_free(dart.place, dart.radius_mm)) continue;
+    if (!cell.at_surface || body.contains(dart.place)) block.add(dart);
   }
 }
 
 void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body,
                 double distance_mm, geometry::Random& random) {
-  std::vector<CubePiece> open, parts;
+  GapFiller<CubePiece, Body> gaps(block, body, random);
   for (const Cell& cell : cells) {
-    parts.clear();
-    body.split(body.piece_of(cell.low, distance_mm, cell.at_surface), parts);
-    for (const CubePiece& part : parts) {
-      if (!part.is_covered(block)) open.push_back(part);
-    }
+    const CubePiece whole = body.piece_of(cell.low, distance_mm, cell.at_surface);
+    body.split(whole, gaps.look_round(whole), [&](const SeenCube& part) { gaps.add(part.piece); });
   }
-  fill_gaps(block, std::move(open), random, body);
+  gaps.fill();
 }
 
 }  // namespace

@@ -6,12 +6,10 @@
 
 #include "host/geometry/parallel.hpp"
 #include "host/geometry/vector.hpp"
+#include "host/points/near_darts.hpp"
 
 namespace lamplock::points {
 namespace {
-
-/// Added to the wanted distance, so that rounding never makes it less.
-constexpr double block_rounding = 1e-12;
 
 /// Distance, in units of the wanted one, by which a point may lie in the cell beside its own: a
 /// place at the border of a block belongs to that block in spite of rounding.
@@ -30,57 +28,24 @@ unsigned group_of(const BlockIndex& block) {
   return static_cast<unsigned>((block.x & 1) | (block.y & 1) << 1 | (block.z & 1) << 2);
 }
 
-/// A dart with `other` as radius is too near to one with `radius` at `place`.
-bool is_too_near(const geometry::Point& place, double radius, const geometry::Point& point,
-                 double other) {
-  const double apart = std::min(radius, other) * (1 + block_rounding);
-  return square_of_distance(place, point) < apart * apart;
-}
-
-/// A dart covers the triangle.
-bool covers(const geometry::Point& point, double other, const Corners& triangle, double radius) {
-  const double apart = std::min(radius, other), square = apart * apart;
-  return square_of_distance(triangle[0], point) < square &&
-         square_of_distance(triangle[1], point) < square &&
-         square_of_distance(triangle[2], point) < square;
-}
-
-/// A dart covers the cube with this centre and half of this side.
-bool covers(const geometry::Point& point, double other, const geometry::Point& centre, double half,
-            double radius) {
-  const double apart = std::min(radius, other);
-  // To the furthest corner.
-  const double x = std::abs(point.x - centre.x) + half, y = std::abs(point.y - centre.y) + half,
-               z = std::abs(point.z - centre.z) + half;
-  return x * x + y * y + z * z < apart * apart;
-}
-
 /// From a point to the nearest point of a box.
 double square_to_box(const geometry::Point& p, const geometry::Bounds& box) {
-  const double x = std::max({box.low.x - p.x, p.x - box.high.x, 0.0}),
-               y = std::max({box.low.y - p.y, p.y - box.high.y, 0.0}),
-               z = std::max({box.low.z - p.z, p.z - box.high.z, 0.0});
+  const auto beside = [](double at, double low, double high) {
+    return std::max(std::max(low - at, at - high), 0.0);
+  };
+  const double x = beside(p.x, box.low.x, box.high.x), y = beside(p.y, box.low.y, box.high.y),
+               z = beside(p.z, box.low.z, box.high.z);
   return x * x + y * y + z * z;
 }
 
 }  // namespace
 
-bool NearDarts::is_covered(const Corners& triangle, double radius) const {
-  return std::any_of(darts_.begin(), darts_.end(), [&](const NearDart& dart) {
-    return covers(dart.place, dart.radius, triangle, radius);
-  });
-}
-
-bool NearDarts::is_covered(const geometry::Point& low, double side_mm, double radius) const {
-  const double half = side_mm / 2;
-  const geometry::Point centre = moved(low, half);
-  return std::any_of(darts_.begin(), darts_.end(), [&](const NearDart& dart) {
-    return covers(dart.place, dart.radius, centre, half, radius);
-  });
-}
-
 DartBlocks::DartBlocks(const BlockGrid& grid, std::vector<BlockIndex> blocks, double distance_mm)
-    : grid_(grid), blocks_(std::move(blocks)), distance_(distance_mm), contents_(blocks_.size()) {
+    : grid_(grid),
+      blocks_(std::move(blocks)),
+      distance_(distance_mm),
+      rounded_distance_(rounded_up(distance_mm)),
+      contents_(blocks_.size()) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     groups_[group_of(blocks_[i])].push_back(static_cast<std::uint32_t>(i));
   }
@@ -116,46 +81,76 @@ geometry::PointCloud DartBlocks::take() {
 
 BlockDarts::BlockDarts(DartBlocks& all, std::size_t block)
     : all_(all),
-      low_(all.box(block).low),
-      cells_per_mm_(DartBlocks::cells / (block_distances * all.distance_)) {
-  const BlockIndex& index = all.blocks_[block];
-  for (int i = 0; i < 27; ++i) {
-    const BlockIndex wanted{index.x + i % 3 - 1, index.y + i / 3 % 3 - 1, index.z + i / 9 - 1};
-    const auto found = std::lower_bound(all.blocks_.begin(), all.blocks_.end(), wanted);
-    if (found == all.blocks_.end() || *found != wanted) continue;
-    around_[static_cast<std::size_t>(i)] =
-        &all.contents_[static_cast<std::size_t>(found - all.blocks_.begin())];
+      block_(all.contents_[block]),
+      box_(all.box(block)),
+      cells_per_mm_(1 / (cell_distances * all.distance_)),
+      rounding_mm_(rounded_into_next_cell * all.distance_) {
+  heads_.fill(-1);
+  for (std::size_t i = 0; i < block_.points.size(); ++i)
+    enter(block_.points[i],
+          block_.radii.empty() ? all_.rounded_distance_ : std::abs(block_.radii[i]));
+  const BlockIndex& own = all.blocks_[block];
+  for (int column = 0; column < 9; ++column) {
+    const BlockIndex low{own.x + column / 3 - 1, own.y + column % 3 - 1, own.z - 1};
+    const BlockIndex high{low.x, low.y, own.z + 1};
+    auto found = std::lower_bound(all.blocks_.begin(), all.blocks_.end(), low);
+    for (; found != all.blocks_.end() && *found <= high; ++found) {
+      if (*found == own) continue;
+      copy_from(all.contents_[static_cast<std::size_t>(found - all.blocks_.begin())],
+                beyond(*found, own));
+    }
   }
 }
 
-/// Counted from the lowest cell of the lowest of the 27 blocks.
+/// A face of a block beyond which another block lies.
+std::size_t BlockDarts::beyond(const BlockIndex& block, const BlockIndex& other) {
+  if (other.x != block.x) return other.x < block.x ? 0 : 3;
+  if (other.y != block.y) return other.y < block.y ? 1 : 4;
+  return other.z < block.z ? 2 : 5;
+}
+
+/// Copies the darts of a block at one of its faces whose radius reaches into this block.
+void BlockDarts::copy_from(const DartBlocks::Block& other, std::size_t face) {
+  for (const std::uint16_t i : other.at_face[face]) {
+    const float radius = other.radii.empty() ? all_.rounded_distance_ : std::abs(other.radii[i]);
+    const double reach = radius + rounding_mm_;
+    if (square_to_box(other.points[i], box_) < reach * reach) enter(other.points[i], radius);
+  }
+}
+
+void BlockDarts::enter(const geometry::Point& place, float radius_mm) {
+  const Cells at = cells_at(place);
+  std::int32_t& head = heads_[cell_index(at[0], at[1], at[2])];
+  const auto i = static_cast<std::int32_t>(darts_.size());
+  darts_.push_back({place, radius_mm, head});
+  x_.push_back(place.x);
+  y_.push_back(place.y);
+  z_.push_back(place.z);
+  head = i;
+}
+
+/// Counted from the cells before the block, which take all places before it, as those after the
+/// block take all after it.
 BlockDarts::Cells BlockDarts::cells_at(const geometry::Point& place) const {
-  constexpr double n = DartBlocks::cells;
   const auto cell = [&](double coordinate, double from) {
-    const double rank = (coordinate - from) * cells_per_mm_ + n;
-    return static_cast<unsigned>(std::clamp(rank, 0.0, 3 * n - 1));
+    const double rank = (coordinate - from) * cells_per_mm_ + 1;
+    return static_cast<int>(std::min(std::max(rank, 0.0), cells - 1.0));
   };
-  return {cell(place.x, low_.x), cell(place.y, low_.y), cell(place.z, low_.z)};
+  return {cell(place.x, box_.low.x), cell(place.y, box_.low.y), cell(place.z, box_.low.z)};
 }
 
-double BlockDarts::radius_of(const DartBlocks::Block& block, std::size_t point) const {
-  return block.radii.empty() ? all_.distance_ : std::abs(static_cast<double>(block.radii[point]));
-}
-
-/// True if `found(place, radius)` is true for any dart in the cells of a box.
+/// True if `found(i)` is true for any dart from number `since` in the cells near a place.
 template <class Found>
-bool BlockDarts::any_within(const geometry::Point& low, const geometry::Point& high,
-                            const Found& found) const {
-  const Cells from = cells_at(low), to = cells_at(high);
-  constexpr unsigned n = DartBlocks::cells;
-  for (unsigned z = from[2]; z <= to[2]; ++z) {
-    for (unsigned y = from[1]; y <= to[1]; ++y) {
-      for (unsigned x = from[0]; x <= to[0]; ++x) {
-        const auto* block = around_[x / n + 3 * (y / n) + 9 * (z / n)];
-        if (block == nullptr) continue;
-        const unsigned cell = x % n + n * (y % n + n * (z % n));
-        for (std::size_t i = block->heads[cell]; i != DartBlocks::none; i = block->next[i]) {
-          if (found(block->points[i], radius_of(*block, i))) return true;
+bool BlockDarts::any_in_cells(Index since, const geometry::Point& place, double distance_mm,
+                              const Found& found) const {
+  const Cells from = cells_at(moved(place, -distance_mm)), to = cells_at(moved(place, distance_mm));
+  const auto first = static_cast<std::int32_t>(since);
+  for (int z = from[2]; z <= to[2]; ++z) {
+    for (int y = from[1]; y <= to[1]; ++y) {
+      const std::int32_t* row = &heads_[cell_index(0, y, z)];
+      for (int x = from[0]; x <= to[0]; ++x) {
+        for (std::int32_t i = row[x]; i >= first; i = darts_[static_cast<std::size_t>(i)].next) {
+          if (found(static_cast<Index>(i))) return true;
         }
       }
     }
@@ -163,67 +158,48 @@ bool BlockDarts::any_within(const geometry::Point& low, const geometry::Point& h
   return false;
 }
 
-bool BlockDarts::is_free(const geometry::Point& place, double radius) const {
-  const double reach = radius + rounded_into_next_cell * all_.distance_;
-  return !any_within(moved(place, -reach), moved(place, reach),
-                     [&](const geometry::Point& point, double other) {
-                       return is_too_near(place, radius, point, other);
-                     });
+bool BlockDarts::is_free(const geometry::Point& at, double radius_mm) const {
+  return !any_in_cells(0, at, radius_mm + rounding_mm_, [&](Index i) {
+    const double apart = std::min<double>(radius_mm, darts_[i].radius_mm) * (1 + block_rounding);
+    return square_of_distance(at, darts_[i].place) < apart * apart;
+  });
 }
 
-bool BlockDarts::is_covered(const Corners& triangle, double radius) const {
-  // A dart that covers every corner is within its radius of the outermost ones.
-  const double reach = radius + rounded_into_next_cell * all_.distance_;
-  const geometry::Point &a = triangle[0], &b = triangle[1], &c = triangle[2];
-  const geometry::Point low{std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}),
-                            std::max({a.z, b.z, c.z})};
-  const geometry::Point high{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
-                             std::min({a.z, b.z, c.z})};
-  return any_within(moved(low, -reach), moved(high, reach),
-                    [&](const geometry::Point& point, double other) {
-                      return covers(point, other, triangle, radius);
-                    });
-}
-
-bool BlockDarts::is_covered(const geometry::Point& low, double side_mm, double radius) const {
-  const double reach = radius + rounded_into_next_cell * all_.distance_;
-  const double half = side_mm / 2;
-  const geometry::Point centre = moved(low, half);
-  return any_within(moved(low, side_mm - reach), moved(low, reach),
-                    [&](const geometry::Point& point, double other) {
-                      return covers(point, other, centre, half, radius);
-                    });
-}
-
-void BlockDarts::find_near(const geometry::Bounds& box, double radius, NearDarts& near) const {
-  near.clear();
-  const double reach = radius + rounded_into_next_cell * all_.distance_;
-  any_within(moved(box.low, -reach), moved(box.high, reach),
-             [&](const geometry::Point& point, double other) {
-               if (square_to_box(point, box) < reach * reach) near.add(point, other);
-               return false;
-             });
+void BlockDarts::find_near(Index since, const geometry::Point& at, double distance_mm,
+                           List& list) const {
+  const double reach = distance_mm + rounding_mm_, square = reach * reach;
+  // Comparing so few darts takes less time than the search in cells.
+  constexpr Index few = 256;
+  if (size() - since > few) {
+    any_in_cells(since, at, reach, [&](Index i) {
+      if (square_of_distance(at, darts_[i].place) < square) list.push_back(i);
+      return false;
+    });
+    return;
+  }
+  for (Index i = since; i < size(); i += max_set_size) {
+    const std::size_t count = std::min<std::size_t>(size() - i, max_set_size);
+    const DartSet near = darts_within(&x_[i], &y_[i], &z_[i], nullptr, count, at, square);
+    for_each_of(near, [&](std::size_t k) { list.push_back(i + static_cast<Index>(k)); });
+  }
 }
 
 void BlockDarts::add(const Dart& dart) {
-  DartBlocks::Block& block = *around_[13];
+  const geometry::Point& p = dart.place;
   const bool plain = dart.visible && dart.radius_mm == all_.distance_;
-  if (!plain && block.radii.empty()) {
-    block.radii.assign(block.points.size(), rounded_up(all_.distance_));
+  const float radius = plain ? all_.rounded_distance_ : rounded_up(dart.radius_mm);
+  if (!plain && block_.radii.empty()) {
+    block_.radii.assign(block_.points.size(), all_.rounded_distance_);
   }
-  if (!plain || !block.radii.empty()) {
-    const float radius = rounded_up(dart.radius_mm);
-    block.radii.push_back(dart.visible ? radius : -radius);
+  if (!plain || !block_.radii.empty()) block_.radii.push_back(dart.visible ? radius : -radius);
+  const std::array<double, 6> to_face{p.x - box_.low.x,  p.y - box_.low.y,  p.z - box_.low.z,
+                                      box_.high.x - p.x, box_.high.y - p.y, box_.high.z - p.z};
+  for (std::size_t face = 0; face < to_face.size(); ++face) {
+    if (to_face[face] < radius + rounding_mm_)
+      block_.at_face[face].push_back(static_cast<std::uint16_t>(block_.points.size()));
   }
-  constexpr unsigned n = DartBlocks::cells;
-  const Cells cells = cells_at(dart.place);
-  const auto inside = [](unsigned cell) {
-    return std::clamp(cell, DartBlocks::cells, 2 * DartBlocks::cells - 1) - DartBlocks::cells;
-  };
-  const unsigned cell = inside(cells[0]) + n * (inside(cells[1]) + n * inside(cells[2]));
-  block.next.push_back(block.heads[cell]);
-  block.heads[cell] = static_cast<std::uint16_t>(block.points.size());
-  block.points.push_back(dart.place);
+  block_.points.push_back(p);
+  enter(p, radius);
 }
 
 }  // namespace lamplock::points

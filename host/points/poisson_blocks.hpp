@@ -1,10 +1,9 @@
 // Darts in blocks of space: searches near darts, and processes blocks in parallel. In: the blocks
 // that can have points. Out: the points, block by block. Called by blue_noise() and fill_solid().
 //
-// A block is 16 distances wide and has 8 x 8 x 8 cells of two distances for the search of points. A
-// radius is at most 6 distances, so a dart depends on its own block and the 26 blocks round it.
-// Blocks with the same three parities of index do not touch: they are processed in parallel, one
-// group of blocks after the other.
+// A block is 16 distances wide. A radius is at most 6 distances, so a dart depends on its own block
+// and the 26 blocks round it. Blocks with the same three parities of index do not touch: they are
+// processed in parallel, one group of blocks after the other.
 //
 // Two darts may be as near as the smaller of their radii: so regions of low density do not displace
 // points of neighbouring regions with high density.
@@ -24,6 +23,8 @@ namespace lamplock::points {
 
 inline constexpr double block_distances = 16;  // side of a block
 inline constexpr double max_radius_distances = 6;
+/// Relative addition to the distance between darts, so that rounding never makes it less.
+inline constexpr double block_rounding = 1e-12;
 
 struct Dart {
   geometry::Point place;
@@ -53,71 +54,80 @@ class DartBlocks {
 
  private:
   friend class BlockDarts;
-  static constexpr std::uint16_t none = 0xFFFF;
-  static constexpr unsigned cells = 8;  // in a row of a block
 
-  /// Points by cell as linked lists. 16 bits suffice: a block has at most 6000 points (the densest
-  /// arrangement, 2^0.5 points per cubic distance).
+  /// 16 bits suffice for the number of a point: a block has at most 6000 (the densest arrangement,
+  /// 2^0.5 points per cubic distance).
   struct Block {
-    Block() { heads.fill(none); }
-    std::array<std::uint16_t, cells * cells * cells> heads{};
-    std::vector<std::uint16_t> next;
     std::vector<geometry::Point> points;
     std::vector<float> radii;  // negative: not visible; empty while all equal the distance
+    /// Points whose radius reaches beyond a face of the block: low x, y, z, high x, y, z.
+    std::array<std::vector<std::uint16_t>, 6> at_face;
   };
 
   BlockGrid grid_;
   std::vector<BlockIndex> blocks_;
   double distance_;
+  float rounded_distance_;
   std::vector<Block> contents_;
   std::array<std::vector<std::uint32_t>, 8> groups_;  // of blocks by parity
 };
 
-/// Copies of the darts near a piece. The questions are those of BlockDarts, for its parts.
-class NearDarts {
- public:
-  bool is_covered(const Corners& triangle, double radius) const;
-  bool is_covered(const geometry::Point& low, double side_mm, double radius) const;
-
-  void clear() { darts_.clear(); }
-  void add(const geometry::Point& place, double radius) { darts_.push_back({place, radius}); }
-
- private:
-  struct NearDart {
-    geometry::Point place;
-    double radius = 0;
-  };
-  std::vector<NearDart> darts_;
-};
-
-/// One block during its processing, with those round it.
+/// One block during its processing, with copies of the darts of other blocks whose radius reaches
+/// into it.
 class BlockDarts {
  public:
   BlockDarts(DartBlocks& all, std::size_t block);
 
-  /// No dart is too near to one with `radius` at `place`, which lies in this block.
-  bool is_free(const geometry::Point& place, double radius) const;
-  /// A single dart excludes others of `radius` from all of a triangle.
-  bool is_covered(const Corners& triangle, double radius) const;
-  /// The same for a cube with this lowest corner.
-  bool is_covered(const geometry::Point& low, double side_mm, double radius) const;
-  /// Replaces `near` by the darts nearer than `radius` to a box, and maybe a few more.
-  void find_near(const geometry::Bounds& box, double radius, NearDarts& near) const;
+  /// Number of a dart. Those of add() follow the earlier ones.
+  using Index = std::uint32_t;
+  using List = std::vector<Index>;
+
+  Index size() const { return static_cast<Index>(darts_.size()); }
+  const geometry::Point& place(Index i) const { return darts_[i].place; }
+  double radius_mm(Index i) const { return darts_[i].radius_mm; }
+
+  /// No dart is too near to one with `radius_mm` at `place`, which lies in this block.
+  bool is_free(const geometry::Point& place, double radius_mm) const;
+  /// Adds to `list` the darts from number `since` nearer to a place than `distance_mm`, and maybe a
+  /// few more.
+  void find_near(Index since, const geometry::Point& place, double distance_mm, List& list) const;
   /// Adds a dart that is free.
   void add(const Dart& dart);
 
  private:
-  using Cells = std::array<unsigned, 3>;
+  static constexpr double cell_distances = 2;
+  /// In a row; the first and the last one are outside the block.
+  static constexpr int cells = static_cast<int>(block_distances / cell_distances) + 2;
+  using Cells = std::array<int, 3>;
+
+  /// Darts by cell as linked lists, the latest first.
+  struct Listed {
+    geometry::Point place;
+    float radius_mm;
+    std::int32_t next;  // -1 at the end
+  };
+
+  static std::size_t beyond(const BlockIndex& own, const BlockIndex& other);
+  void copy_from(const DartBlocks::Block& other, std::size_t face);
+  void enter(const geometry::Point& place, float radius_mm);
+  static std::size_t cell_index(int x, int y, int z) {
+    constexpr auto n = static_cast<std::size_t>(cells);
+    return (static_cast<std::size_t>(z) * n + static_cast<std::size_t>(y)) * n +
+           static_cast<std::size_t>(x);
+  }
   Cells cells_at(const geometry::Point& place) const;
   template <class Found>
-  bool any_within(const geometry::Point& low, const geometry::Point& high,
-                  const Found& found) const;
-  double radius_of(const DartBlocks::Block& block, std::size_t point) const;
+  bool any_in_cells(Index since, const geometry::Point& place, double distance_mm,
+                    const Found& found) const;
 
   DartBlocks& all_;
-  geometry::Point low_;
+  DartBlocks::Block& block_;
+  geometry::Bounds box_;
   double cells_per_mm_;
-  std::array<DartBlocks::Block*, 27> around_{};  // null where there is no block; [13] is this one
+  double rounding_mm_;
+  std::vector<Listed> darts_;
+  std::vector<double> x_, y_, z_;  // of all darts
+  std::array<std::int32_t, static_cast<std::size_t>(cells* cells* cells)> heads_;
 };
 
 }  // namespace lamplock::points

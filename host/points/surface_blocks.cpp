@@ -178,6 +178,11 @@ SurfaceBlocks surface_blocks(const model::Mesh& mesh, const BlockGrid& grid,
 
 void cut_to_box(const Corners& triangle, const geometry::Bounds& box,
                 std::vector<Corners>& pieces) {
+  if (std::all_of(triangle.begin(), triangle.end(),
+                  [&](const geometry::Point& corner) { return box.contains(corner); })) {
+    if (area_of(triangle) > 0) pieces.push_back(triangle);
+    return;
+  }
   Polygon polygon(triangle);
   for (const auto axis : axes) {
     const auto all = polygon.all();
