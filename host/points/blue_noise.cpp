@@ -97,8 +97,8 @@ class Surface {
   /// Calls `found` with each quarter that is not covered.
   template <class Found>
   void split(const TrianglePiece& piece, const NearDarts& near, const Found& found) const {
-    const double least_mm = min_piece * piece.radius_mm;
-    if (piece.longest_mm2() <= least_mm * least_mm) return;
+    const double min_mm = min_piece * piece.radius_mm;
+    if (piece.longest_mm2() <= min_mm * min_mm) return;
     SeenTriangle whole{piece};
     whole.look(near);
     halve(whole, near, [&](const SeenTriangle& half) { halve(half, near, found); });
