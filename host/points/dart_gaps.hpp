@@ -98,7 +98,7 @@ class GapFiller {
   struct List {
     std::uint32_t first = 0, count = 0;
     BlockDarts::Index compared = 0;  // darts of the block up to now
-    double reach_mm = 0;             // all darts of them nearer to the piece than this are listed
+    double reach_mm = 0;             // darts nearer to the piece than this are in the list
   };
   struct Open {
     Piece piece;
@@ -164,7 +164,9 @@ class GapFiller {
   }
 
   bool is_free(const Dart& dart) const {
-    if (dart.radius_mm > list_.reach_mm) return block_.is_free(dart.place, dart.radius_mm);
+    // A full list may lack darts.
+    if (near_.is_full() || dart.radius_mm > list_.reach_mm)
+      return block_.is_free(dart.place, dart.radius_mm);
     return near_.excluding(dart.place, dart.radius_mm * (1 + block_rounding)) == 0;
   }
 
@@ -178,7 +180,6 @@ class GapFiller {
     indices_.insert(indices_.end(), new_indices_.begin(), new_indices_.end());
     list_.count = static_cast<std::uint32_t>(near_.size());
     indices_.resize(list_.first + list_.count);
-    if (near_.is_full()) list_.reach_mm = 0;
   }
 
   BlockDarts& block_;
