@@ -78,29 +78,30 @@ class Surface {
     const SideCut cut(whole.piece);
     const auto& seen = whole.at_corner;
     const DartSet at_middle = near.excluding(cut.middle, whole.piece.radius_mm);
-    const DartSet all = seen[cut.c] & at_middle;
-    for (const bool first : {true, false}) {
-      // With one radius for all darts, most parts need no more than this.
-      if (!tone_ && (all & seen[first ? cut.a : cut.b]) != 0) continue;
-      SeenTriangle half{cut.half(whole.piece, first),
-                        first ? std::array{seen[cut.a], at_middle, seen[cut.c]}
-                              : std::array{at_middle, seen[cut.b], seen[cut.c]}};
+    using Sets = std::array<DartSet, 3>;
+    const auto visit = [&](const Sets& at_corner, const auto& half_of) {
+      // With one radius for all darts, most halves are covered and need not be made.
+      if (!tone_ && have_common_dart(at_corner)) return;
+      SeenTriangle half{half_of(whole.piece), at_corner};
       if (tone_) {
         half.piece.radius_mm = radius_of(half.piece);
+        half.at_corner = {};
         half.look(near);
-        if (half.is_covered()) continue;
+        if (half.is_covered()) return;
       }
       found(half);
-    }
+    };
+    visit(Sets{seen[cut.a], at_middle, seen[cut.c]},
+          [&](const TrianglePiece& piece) { return cut.half_a(piece); });
+    visit(Sets{at_middle, seen[cut.b], seen[cut.c]},
+          [&](const TrianglePiece& piece) { return cut.half_b(piece); });
   }
 
   /// Calls `found` with each quarter that is not covered.
   template <class Found>
-  void split(const TrianglePiece& piece, const NearDarts& near, const Found& found) const {
-    const double min_mm = min_piece * piece.radius_mm;
-    if (piece.longest_mm2() <= min_mm * min_mm) return;
-    SeenTriangle whole{piece};
-    whole.look(near);
+  void split(const SeenTriangle& whole, const NearDarts& near, const Found& found) const {
+    const double min_mm = min_piece * whole.piece.radius_mm;
+    if (whole.piece.longest_mm2() <= min_mm * min_mm) return;
     halve(whole, near, [&](const SeenTriangle& half) { halve(half, near, found); });
   }
 
@@ -148,13 +149,13 @@ struct BlockSurface {
   std::vector<std::uint32_t> triangles;  // of each piece
   std::vector<double> areas;             // of all pieces up to each
 
-  /// The piece where the sum of areas exceeds `area`. The compiler makes no branches of this
-  /// search, half of which the processor would predict wrongly.
+  /// The piece where the sum of areas exceeds `area`. A product instead of a branch, half of which
+  /// the processor would predict wrongly.
   std::size_t piece_at(double area) const {
     const double* first = areas.data();
     for (std::size_t left = areas.size(); left > 1;) {
       const std::size_t half = left / 2;
-      first += first[half - 1] <= area ? half : 0;
+      first += half * static_cast<std::size_t>(first[half - 1] <= area);
       left -= half;
     }
     return static_cast<std::size_t>(first - areas.data());
@@ -198,8 +199,7 @@ class OpenTriangles {
   void add(const TrianglePiece& piece) {
     if (is_longer(piece, max_searched)) {
       const SideCut cut(piece);
-      for (const bool first : {true, false}) {
-        TrianglePiece half = cut.half(piece, first);
+      for (TrianglePiece half : {cut.half_a(piece), cut.half_b(piece)}) {
         half.radius_mm = surface_.radius_of(half);
         add(half);
       }
@@ -219,7 +219,7 @@ class OpenTriangles {
   }
 
   void add_open(const SeenTriangle& seen, const NearDarts& near) {
-    if (!is_longer(seen.piece, max_piece)) return gaps_.add(seen.piece);
+    if (!is_longer(seen.piece, max_piece)) return gaps_.add(seen);
     surface_.halve(seen, near, [&](const SeenTriangle& half) { add_open(half, near); });
   }
 

@@ -40,29 +40,25 @@ struct SeenPiece {
   Piece piece;
   std::array<DartSet, Piece::corner_count> at_corner{};
 
-  /// Compares all corners with the darts from number `first`.
+  /// Compares all corners with the darts from number `first`; those before it have been compared.
   void look(const NearDarts& near, std::size_t first = 0) {
     for (std::size_t i = 0; i < at_corner.size(); ++i)
-      at_corner[i] = near.excluding(piece.corner(i), piece.radius_mm, first);
+      at_corner[i] |= near.excluding(piece.corner(i), piece.radius_mm, first);
   }
-  bool is_covered() const {
-    DartSet at_all = ~DartSet{0};
-    for (const DartSet set : at_corner) at_all &= set;
-    return at_all != 0;
-  }
+  bool is_covered() const { return have_common_dart(at_corner); }
 };
 
 /// A Body gives
 ///   Dart dart_in(const Piece&, Random&)            a random one,
 ///   bool contains(const Piece&, const Point&)      a place in the piece is in the body too,
-///   void split(const Piece&, const NearDarts&, found)
+///   void split(const SeenPiece<Piece>&, const NearDarts&, found)
 ///       calls found(const SeenPiece<Piece>&) with each part that is not covered; does nothing if
 ///       the piece is too small.
 template <class Piece, class Body>
 class GapFiller {
  public:
   GapFiller(BlockDarts& block, const Body& body, geometry::Random& random)
-      : block_(block), body_(body), random_(random) {}
+      : block_(block), body_(body), random_(random), near_(block.units()) {}
 
   /// Finds the darts near a piece, for add() with its parts.
   const NearDarts& look_round(const Piece& piece) {
@@ -76,8 +72,8 @@ class GapFiller {
     return near_;
   }
 
-  /// Adds a piece that is not covered; look_round() has found the darts near it.
-  void add(const Piece& piece) { open_.push_back({piece, list_}); }
+  /// Adds a piece that is not covered by the darts that look_round() has found near it.
+  void add(const SeenPiece<Piece>& seen) { open_.push_back({seen, list_}); }
 
   /// Fills the gaps in all pieces.
   void fill() {
@@ -101,11 +97,11 @@ class GapFiller {
     double reach_mm = 0;             // darts nearer to the piece than this are in the list
   };
   struct Open {
-    Piece piece;
+    SeenPiece<Piece> seen;  // the darts of the list
     List list;
   };
 
-  const Open& open_at(std::uint64_t turn) const { return open_[turn & 0xFFFFFFFF]; }
+  Open& open_at(std::uint64_t turn) { return open_[turn & 0xFFFFFFFF]; }
 
   /// Random times of the first of uniformly distributed darts: earlier for larger pieces. A turn is
   /// the time, whose bits as positive float have its order, and the number of the piece.
@@ -114,28 +110,28 @@ class GapFiller {
     turns_.reserve(open_.size());
     for (std::uint32_t i = 0; i < open_.size(); ++i) {
       const auto time =
-          static_cast<float>(-std::log(1 - random_.uniform()) / open_[i].piece.measure());
+          static_cast<float>(-std::log(1 - random_.uniform()) / open_[i].seen.piece.measure());
       turns_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(time)} << 32 | i);
     }
     boost::sort::pdqsort_branchless(turns_.begin(), turns_.end());
   }
 
-  void fill(const Open& open) {
-    const Piece& piece = open.piece;
+  void fill(Open& open) {
+    SeenPiece<Piece>& seen = open.seen;
     load(open.list);
-    if (find_new(piece) && is_covered(piece, open.list.count)) return;
-    const Dart dart = body_.dart_in(piece, random_);
-    if (is_free(dart) && body_.contains(piece, dart.place)) {
+    if (find_new(seen.piece) && is_covered(seen, open.list.count)) return;
+    const Dart dart = body_.dart_in(seen.piece, random_);
+    if (is_free(dart) && body_.contains(seen.piece, dart.place)) {
       new_indices_.push_back(block_.size());
       block_.add(dart);
-      near_.add(dart.place, dart.radius_mm);
-      if (is_covered(piece, near_.size() - 1)) return;
+      near_.add(block_.place(new_indices_.back()), block_.radius_mm(new_indices_.back()));
+      if (is_covered(seen, near_.size() - 1)) return;
     }
     bool listed = false;
-    body_.split(piece, near_, [&](const SeenPiece<Piece>& part) {
+    body_.split(seen, near_, [&](const SeenPiece<Piece>& part) {
       if (!listed) list_new();
       listed = true;
-      smaller_.push_back({part.piece, list_});
+      smaller_.push_back({part, list_});
     });
   }
 
@@ -156,18 +152,21 @@ class GapFiller {
     return near_.size() != list_.count;
   }
 
-  /// One of the darts from number `first` covers the piece.
-  bool is_covered(const Piece& piece, std::size_t first) const {
-    SeenPiece<Piece> seen{piece};
+  /// One of the darts covers the piece, which has not yet been compared with those from `first`.
+  bool is_covered(SeenPiece<Piece>& seen, std::size_t first) const {
     seen.look(near_, first);
     return seen.is_covered();
   }
 
   bool is_free(const Dart& dart) const {
+    const auto is_excluded = [&](Doubt doubt) {
+      return near_.excluding(dart.place, dart.radius_mm, 0, doubt) != 0;
+    };
+    if (is_excluded(Doubt::is_outside)) return false;
     // A full list may lack darts.
-    if (near_.is_full() || dart.radius_mm > list_.reach_mm)
-      return block_.is_free(dart.place, dart.radius_mm);
-    return near_.excluding(dart.place, dart.radius_mm * (1 + block_rounding)) == 0;
+    const bool has_all = !near_.is_full() && dart.radius_mm <= list_.reach_mm;
+    if (has_all && !is_excluded(Doubt::is_within)) return true;
+    return block_.is_free(dart.place, dart.radius_mm);
   }
 
   /// Makes the list for the parts of a piece: that of the piece and the new darts.

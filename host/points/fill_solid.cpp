@@ -124,7 +124,8 @@ class Body {
 
   /// Calls `found` with each eighth of a cube that is not covered.
   template <class Found>
-  void split(const CubePiece& piece, const NearDarts& near, const Found& found) const {
+  void split(const SeenCube& whole, const NearDarts& near, const Found& found) const {
+    const CubePiece& piece = whole.piece;
     const double half = piece.side_mm / 2;
     constexpr double rounding = 1e-9;
     if (half < min_cube * piece.radius_mm * (1 - rounding)) return;
@@ -132,12 +133,14 @@ class Body {
     const auto at = [half](double low, std::size_t i) {
       return low + static_cast<double>(i) * half;
     };
+    const auto in_row = [](std::size_t i) { return (i & 1) + 3 * (i >> 1 & 1) + 9 * (i >> 2); };
+    for (std::size_t i = 0; i < 8; ++i) at_corner[2 * in_row(i)] = whole.at_corner[i];
     for (std::size_t i = 0; i < at_corner.size(); ++i) {
+      if (i % 3 != 1 && i / 3 % 3 != 1 && i / 9 != 1) continue;  // a corner of the whole cube
       at_corner[i] = near.excluding(
           {at(piece.low.x, i % 3), at(piece.low.y, i / 3 % 3), at(piece.low.z, i / 9)},
           piece.radius_mm);
     }
-    const auto in_row = [](std::size_t i) { return (i & 1) + 3 * (i >> 1 & 1) + 9 * (i >> 2); };
     for (std::size_t i = 0; i < 8; ++i) {
       SeenCube part{piece_of(corner_of(piece.low, half, i), half, piece.at_surface)};
       if (options_.light_depth_mm > 0) {
@@ -251,8 +254,10 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
                 double distance_mm, geometry::Random& random) {
   GapFiller<CubePiece, Body> gaps(block, body, random);
   for (const Cell& cell : cells) {
-    const CubePiece whole = body.piece_of(cell.low, distance_mm, cell.at_surface);
-    body.split(whole, gaps.look_round(whole), [&](const SeenCube& part) { gaps.add(part.piece); });
+    SeenCube whole{body.piece_of(cell.low, distance_mm, cell.at_surface)};
+    const NearDarts& near = gaps.look_round(whole.piece);
+    whole.look(near);
+    if (!whole.is_covered()) body.split(whole, near, [&](const SeenCube& part) { gaps.add(part); });
   }
   gaps.fill();
 }

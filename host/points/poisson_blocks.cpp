@@ -6,7 +6,6 @@
 
 #include "host/geometry/parallel.hpp"
 #include "host/geometry/vector.hpp"
-#include "host/points/near_darts.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -83,6 +82,7 @@ BlockDarts::BlockDarts(DartBlocks& all, std::size_t block)
     : all_(all),
       block_(all.contents_[block]),
       box_(all.box(block)),
+      units_{box_.low, 1 / all.distance_},
       cells_per_mm_(1 / (cell_distances * all.distance_)),
       rounding_mm_(rounded_into_next_cell * all.distance_) {
   heads_.fill(-1);
@@ -123,9 +123,14 @@ void BlockDarts::enter(const geometry::Point& place, float radius_mm) {
   std::int32_t& head = heads_[cell_index(at[0], at[1], at[2])];
   const auto i = static_cast<std::int32_t>(darts_.size());
   darts_.push_back({place, radius_mm, head});
-  x_.push_back(place.x);
-  y_.push_back(place.y);
-  z_.push_back(place.z);
+  const std::size_t needed = darts_.size() + read_ahead;
+  if (x_.size() < needed) {
+    for (std::vector<float>* axis : {&x_, &y_, &z_}) axis->resize(2 * needed);
+  }
+  const PlaceInBlock in_block = units_.place_of(place);
+  x_[darts_.size() - 1] = in_block.x;
+  y_[darts_.size() - 1] = in_block.y;
+  z_[darts_.size() - 1] = in_block.z;
   head = i;
 }
 
@@ -169,7 +174,7 @@ void BlockDarts::find_near(Index since, const geometry::Point& at, double distan
                            List& list) const {
   const double reach = distance_mm + rounding_mm_, square = reach * reach;
   // Comparing so few darts takes less time than the search in cells.
-  constexpr Index few = 256;
+  constexpr Index few = 1024;
   if (size() - since > few) {
     any_in_cells(since, at, reach, [&](Index i) {
       if (square_of_distance(at, darts_[i].place) < square) list.push_back(i);
@@ -177,9 +182,11 @@ void BlockDarts::find_near(Index since, const geometry::Point& at, double distan
     });
     return;
   }
+  const PlaceInBlock in_block = units_.place_of(at);
   for (Index i = since; i < size(); i += max_set_size) {
     const std::size_t count = std::min<std::size_t>(size() - i, max_set_size);
-    const DartSet near = darts_within(&x_[i], &y_[i], &z_[i], nullptr, count, at, square);
+    const DartSet near = darts_within(&x_[i], &y_[i], &z_[i], nullptr, count, in_block,
+                                      units_.square_of(reach), Doubt::is_within);
     for_each_of(near, [&](std::size_t k) { list.push_back(i + static_cast<Index>(k)); });
   }
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/geometry/point.hpp"
+#include "host/points/near_darts.hpp"
 #include "host/points/surface_blocks.hpp"
 
 namespace lamplock::points {
@@ -83,7 +84,8 @@ class BlockDarts {
   using List = std::vector<Index>;
 
   Index size() const { return static_cast<Index>(darts_.size()); }
-  const geometry::Point& place(Index i) const { return darts_[i].place; }
+  const BlockUnits& units() const { return units_; }
+  PlaceInBlock place(Index i) const { return {x_[i], y_[i], z_[i]}; }
   double radius_mm(Index i) const { return darts_[i].radius_mm; }
 
   /// No dart is too near to one with `radius_mm` at `place`, which lies in this block.
@@ -123,10 +125,11 @@ class BlockDarts {
   DartBlocks& all_;
   DartBlocks::Block& block_;
   geometry::Bounds box_;
+  BlockUnits units_;
   double cells_per_mm_;
   double rounding_mm_;
   std::vector<Listed> darts_;
-  std::vector<double> x_, y_, z_;  // of all darts
+  std::vector<float> x_, y_, z_;  // of all darts, and read_ahead more
   std::array<std::int32_t, static_cast<std::size_t>(cells* cells* cells)> heads_;
 };
 

@@ -252,38 +252,37 @@ async function size(server) {
   check('the page has at most 150 kB', bytes <= 150_000, bytes);
 }
 
-// Time from the navigation to the first picture: the least of up to twelve, because the processors may be
-// busy with other tests. The first page also starts a process of the browser.
-async function first_picture(page, server) {
-  const times = async () => page.ask(`(() => {
-    const [entry] = performance.getEntriesByType('navigation');
-    const paint = performance.getEntriesByName('first-contentful-paint')[0];
-    return { answered: entry.responseEnd, parsed: entry.domInteractive, picture: paint?.startTime ?? 0 };
-  })()`);
-  const all = [];
-  let best_ms = Infinity;
-  for (let i = 0; i < 12 && best_ms > 300; ++i) {
-    if (i > 0) {
-      await page.ask('window.is_old = true');
-      await page.send('Page.reload');
-      await until('the page is loaded again', () => page.ask(
-          `window.is_old === undefined && document.getElementById('state')?.textContent === 'Idle'`));
-    }
-    await until('there is a picture', async () => (await times()).picture > 0);
-    all.push(await times());
-    best_ms = Math.min(best_ms, all.at(-1).picture);
+// The time from a navigation to the first picture, in ms.
+async function time_picture(page, url, is_loaded) {
+  await page.ask('window.is_old = true');
+  await page.send('Page.navigate', { url });
+  await until('the page is loaded', () => page.ask(`window.is_old === undefined && (${is_loaded})`));
+  const paint = `performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0`;
+  await until('there is a picture', async () => await page.ask(paint) > 0);
+  return page.ask(paint);
+}
+
+// The first picture takes at most 300 ms on an idle computer: six times that of a plain text of the
+// same server. The least of several are compared, in turn, because the processors may be slower, or
+// busy with other tests.
+async function first_picture(browser, server) {
+  const page = await open(browser, server, {});
+  let page_ms = Infinity, plain_ms = Infinity;
+  for (let i = 0; i < 6; ++i) {
+    plain_ms = Math.min(plain_ms, await time_picture(page, `${server.origin}/page.css`, `document.readyState === 'complete'`));
+    page_ms = Math.min(page_ms, await time_picture(page, server.origin, `document.getElementById('state')?.textContent === 'Idle'`));
   }
-  for (const each of all)
-    console.log(`        first picture ${each.picture.toFixed(0)} ms; document after ${each.answered.toFixed(0)}, parsed ${each.parsed.toFixed(0)} ms`);
-  check('first picture within 300 ms', best_ms <= 300, all);
+  await page.send('Page.close');
+  console.log(`        first picture ${page_ms.toFixed(0)} ms, of a plain text ${plain_ms.toFixed(0)} ms`);
+  check('the first picture takes at most six times as long as that of a plain text', page_ms <= 6 * plain_ms, { page_ms, plain_ms });
 }
 
 try {
   server = await start_server();
   await size(server);
   const browser = new Browser(chromium, { webgl: false });
+  await first_picture(browser, server);
   const page = await open(browser, server, {});
-  await first_picture(page, server);
   check('the token is not in the address', !(await page.ask('location.href')).includes('token'));
   await run_job(page, server);
   await choose_material(page, server);

@@ -202,6 +202,44 @@ TEST(BlueNoise, DensityFollowsTheTone) {
       0.1);
 }
 
+/// Four sheets with a dark strip between bright ones: round each place of the strip are hundreds of
+/// darts, more than the list of a piece can hold.
+TEST(BlueNoise, DistancesHoldWhereManyDartsAreNear) {
+  const double distance = 0.25, dark_from = 3, dark_to = 4, dark = 0.04;
+  Mesh sheets;
+  for (int sheet = 0; sheet < 4; ++sheet) {
+    const std::size_t first = sheets.vertices.size();
+    test::add_plate(sheets, 0, 0, 7, 6, 7, 6);
+    for (std::size_t i = first; i < sheets.vertices.size(); ++i) sheets.vertices[i].z = 0.3 * sheet;
+  }
+  const auto light = [&](double x, double) { return x > dark_from && x < dark_to ? dark : 1; };
+  test::set_brightness(sheets, light);
+  const auto radius = [&](const geometry::Point& place) {
+    return distance / std::sqrt(light(place.x, 0));
+  };
+  const auto apart = [](const geometry::Point& p, const geometry::Point& q) {
+    return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
+  };
+  std::mt19937_64 random(5);
+  for (int i = 0; i < test::scaled(4); ++i) {
+    const points::ToneCurve tone{.gamma = 1, .lowest = 0};
+    const PointCloud cloud =
+        blue_noise(sheets, {.distance_mm = distance, .seed = random(), .tone = tone});
+    for (std::size_t p = 0; p < cloud.size(); ++p) {
+      for (std::size_t q = 0; q < p; ++q)
+        ASSERT_GE(apart(cloud[p], cloud[q]), std::min(radius(cloud[p]), radius(cloud[q])));
+    }
+    for (const auto& place : test::random_places(sheets, 1000, random)) {
+      ASSERT_TRUE(std::any_of(cloud.begin(), cloud.end(),
+                              [&](const geometry::Point& point) {
+                                return apart(place, point) <
+                                       1.04 * std::min(radius(place), radius(point));
+                              }))
+          << place.x << ' ' << place.y;
+    }
+  }
+}
+
 /// Faces in the plane between two blocks, of sizes at which a quotient is rounded across it.
 TEST(BlueNoise, FacesBetweenBlocksAreNotLost) {
   struct Case {
