@@ -79,6 +79,7 @@ inline constexpr std::size_t read_ahead = 3;
 inline DartSet darts_within(const float* x, const float* y, const float* z, const float* own,
                             std::size_t count, const PlaceInBlock& place, float square,
                             Doubt doubt) {
+  if (count == 0) return 0;
   const float factor = factor_of(doubt);
   DartSet set = 0;
 #if defined(__SSE2__)

@@ -146,8 +146,8 @@ TEST(Inside, ThicknessAboveIsThatOfTheUnion) {
       // height, so the bounds are those of shapes that are smaller and larger by it.
       double least = 0, most = 0;
       constexpr double step = 0.002, rounding = 20 * step;
-      for (double z = place.z; z < 8; z += step) {
-        const Point at{place.x, place.y, z};
+      for (int k = 0; place.z + k * step < 8; ++k) {
+        const Point at{place.x, place.y, place.z + k * step};
         least += is_inside(shapes, at, 4 * chord) ? step : 0;
         most += is_inside(shapes, at, -4 * chord) ? step : 0;
       }
@@ -175,8 +175,10 @@ TEST(FillSolid, HasOneDensityEverywhereInAUnion) {
   constexpr double half = 7.5, distance = 0.45, skin = 2 * distance;
   constexpr std::size_t samples = 400'000;
   constexpr double per_place = 8 * half * half * half / samples;
+  // With fewer points where three bodies are, chance alone exceeds the 3 %.
+  constexpr double least_points = 1500;
   Density density;
-  for (int i = 0; i < std::max(2, test::scaled(6)); ++i) {
+  for (int i = 0; i < test::scaled(6) || density.points[2] < least_points; ++i) {
     const std::vector<Shape> shapes = random_shapes(random, 4);
     const PointCloud cloud =
         points::fill_solid(mesh_of(shapes), {.distance_mm = distance, .seed = random()});
