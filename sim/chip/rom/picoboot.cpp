@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/chip/rom/rom_context.hpp"
 #include "sim/chip/rom/rom_reboot.hpp"
 
 namespace lamplock::sim::chip {
@@ -11,7 +12,7 @@ using namespace picoboot;
 
 namespace {
 
-constexpr std::uint32_t page = 256, sector = 4096, packet_size = 64;
+using rom::flash_page, rom::flash_sector;
 
 /// Where the host may read and write (2.8.5.4.4, 2.8.5.4.5).
 struct Region {
@@ -156,19 +157,19 @@ Status Picoboot::check() const {
 /// Checks the next 256 bytes, or the rest.
 Status Picoboot::check_data(bool writes) const {
   if (rebooting_) return Status::rebooting;
-  const std::uint32_t size = std::min(left_, page);
+  const std::uint32_t size = std::min(left_, flash_page);
   for (const Region& region : regions) {
     if (address_ - region.first >= region.size || size > region.size - (address_ - region.first))
       continue;
     if (writes && !region.writable) break;
-    return in_flash(address_) && address_ % page != 0 ? Status::bad_alignment : Status::ok;
+    return in_flash(address_) && address_ % flash_page != 0 ? Status::bad_alignment : Status::ok;
   }
   return Status::invalid_address;
 }
 
 bool Picoboot::can_erase() const {
   const std::uint32_t size = arguments_[1];
-  return !rebooting_ && size != 0 && address_ % sector == 0 && size % sector == 0 &&
+  return !rebooting_ && size != 0 && address_ % flash_sector == 0 && size % flash_sector == 0 &&
          in_flash(address_) && size <= flash_size - (address_ - flash_base);
 }
 
@@ -253,7 +254,7 @@ void Picoboot::next_in(LoaderBus& bus, Pipes& pipes) {
     finish(pipes);
     return;
   }
-  if ((transfer_ - left_) % page == 0) {
+  if ((transfer_ - left_) % flash_page == 0) {
     if (const Status found = check_data(false); found != Status::ok) {
       refuse_data(found, pipes);
       return;
@@ -287,7 +288,7 @@ void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes&
     bus.store(flash ? buffer_ + filled_ + i : address_ + filled_ + i, packet[i], Width::byte);
   left_ -= size;
   filled_ += size;
-  if (filled_ < page && left_ != 0) {
+  if (filled_ < flash_page && left_ != 0) {
     pipes.take();
     return;
   }
@@ -295,7 +296,7 @@ void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes&
   if (!good) {
     refuse_data(found_, pipes);
   } else if (flash) {
-    for (; filled_ < page; ++filled_) bus.store(buffer_ + filled_, 0, Width::byte);
+    for (; filled_ < flash_page; ++filled_) bus.store(buffer_ + filled_, 0, Width::byte);
     call(Service::page_program, address_ - flash_base, buffer_);
   } else {
     next_out(pipes);
@@ -304,7 +305,7 @@ void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes&
 
 /// A page has been written.
 void Picoboot::next_out(Pipes& pipes) {
-  address_ += page;
+  address_ += flash_page;
   filled_ = 0;
   if (left_ == 0) {
     finish(pipes);
@@ -336,7 +337,7 @@ void Picoboot::returned(std::uint32_t result, LoaderBus& bus, Pipes& pipes) {
   } else if (step_ == Step::data_out) {
     next_out(pipes);
   } else if (step_ == Step::data_in) {
-    filled_ = page;
+    filled_ = flash_page;
     emptied_ = 0;
     next_in(bus, pipes);
   } else {

@@ -36,6 +36,7 @@ namespace picoboot {
 inline constexpr std::uint32_t magic = 0x431f'd10b;
 inline constexpr std::size_t command_size = 32;
 inline constexpr std::size_t status_size = 16;
+inline constexpr std::uint32_t packet_size = 64;
 
 /// bCmdId; bit 7: data go to the host.
 enum class Command : std::uint8_t {

@@ -2,7 +2,7 @@
 //
 // In:  the registers and the bus of a core. Out: changed registers and memory, and the cycles of a
 //      step.
-// Who: the sources of BootRom only.
+// Who: the sources of the boot ROM only.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace rom {
 inline constexpr std::uint32_t set_alias = 0x2000, clear_alias = 0x3000;
 
 inline constexpr std::uint32_t clk_ref = 0x4000'8030, ref_crystal = 2;
-inline constexpr std::uint32_t resets = 0x4000'c000;
+inline constexpr std::uint32_t resets = 0x4000'c000, reset_done = resets + 8;
 inline constexpr std::uint32_t reset_io_qspi = 1u << 6, reset_pads_qspi = 1u << 9;
 
 inline constexpr std::uint32_t watchdog = 0x4005'8000, watchdog_load = watchdog + 0x04,
@@ -32,6 +32,9 @@ inline constexpr std::uint32_t ssi_ctrlr0 = 0x1800'0000, ssi_enable = ssi_ctrlr0
                                ssi_data = ssi_ctrlr0 + 0x60;
 inline constexpr std::uint32_t bytes_both_ways = 7u << 16;
 inline constexpr std::uint32_t read_data = 0x03;  ///< to the flash
+inline constexpr std::uint32_t flash_page = 256, flash_sector = 4096;
+
+inline constexpr std::uint32_t scs_vtor = 0xe000'ed08, scs_scr = 0xe000'ed10;
 
 inline constexpr unsigned sp = 13, lr = 14, pc = 15;
 }  // namespace rom

@@ -7,7 +7,6 @@ using namespace rom;
 
 namespace {
 
-constexpr std::uint32_t reset_done = resets + 8;
 constexpr std::uint32_t io_qspi = 0x4001'8000;
 constexpr std::uint32_t pads_sd0 = 0x4002'0008;  // VOLTAGE_SELECT, SCLK, SD0...
 constexpr std::uint32_t xip_ctrl = 0x1400'0000;
@@ -16,8 +15,7 @@ constexpr std::uint32_t ssi_ctrlr1 = ssi_ctrlr0 + 0x04, ssi_ser = ssi_ctrlr0 + 0
                         ssi_rx_level = ssi_ctrlr0 + 0x24, ssi_status = ssi_ctrlr0 + 0x28,
                         ssi_icr = ssi_ctrlr0 + 0x48, ssi_spi_ctrlr0 = ssi_ctrlr0 + 0xf4;
 constexpr std::uint32_t boot_divider = 6;  // 2.8.3.1.3: "fixed SCK clock divisor of /6"
-constexpr std::uint32_t page = 256, sector = 4096;
-constexpr std::uint32_t in_flight = 14;  // less than the receive FIFO's 16
+constexpr std::uint32_t in_flight = 14;    // less than the receive FIFO's 16
 
 // Flash commands.
 constexpr std::uint32_t page_program = 0x02, read_status = 0x05, write_enable = 0x06,
@@ -179,7 +177,7 @@ void BootRom::flash_write(Context& c) {
   const bool programs = (c.reg(3) & programming) != 0;
   const std::uint32_t at = c.reg(0), block = c.reg(2);
   const bool whole_block = !programs && (at & (block - 1)) == 0 && c.reg(1) - at >= block;
-  const std::uint32_t step = programs ? page : whole_block ? block : sector;
+  const std::uint32_t step = programs ? flash_page : whole_block ? block : flash_sector;
   switch (c.reg(4)) {
     case next:
       next_write(c);
@@ -196,7 +194,7 @@ void BootRom::flash_write(Context& c) {
                     programs      ? page_program
                     : whole_block ? c.reg(3)
                                   : sector_erase,
-                    at, programs ? page : 0);
+                    at, programs ? flash_page : 0);
       c.set(4, data);
       return;
     case data:

@@ -10,7 +10,6 @@ using namespace rom;
 
 namespace {
 
-constexpr std::uint32_t reset_done = resets + 8;
 constexpr std::uint32_t reset_io_bank0 = 1u << 5, reset_pads_bank0 = 1u << 8,
                         reset_pll_usb = 1u << 13, reset_usb = 1u << 24;
 constexpr std::uint32_t loader_blocks = reset_io_bank0 | reset_pads_bank0 | reset_usb;
@@ -29,10 +28,9 @@ constexpr std::uint32_t sys_auxiliary = 1, sys_pll_usb = 1u << 5, clock_enable =
 
 constexpr std::uint32_t gpio_control = 0x4001'4004, function_sio = 5;
 constexpr std::uint32_t gpio_out_clear = 0xd000'0018, gpio_enable_set = 0xd000'0024;
-constexpr std::uint32_t scs_vtor = 0xe000'ed08, nvic_enable = 0xe000'e100, usb_interrupt = 1u << 5;
+constexpr std::uint32_t nvic_enable = 0xe000'e100, usb_interrupt = 1u << 5;
 
-constexpr std::uint32_t flash_page = 256, flash_sector = 4096, flash_block = 1u << 16,
-                        block_erase = 0xd8;     ///< 64 KiB
+constexpr std::uint32_t flash_block = 1u << 16, block_erase = 0xd8;  ///< 64 KiB
 constexpr std::uint32_t interrupt_cycles = 80;  ///< in addition to its accesses; assumed
 
 }  // namespace

@@ -15,7 +15,7 @@ using namespace rom;
 namespace {
 
 constexpr std::uint32_t syscfg = 0x4000'4000, clocks = 0x4000'8000, chip_reset = 0x4006'4008;
-constexpr std::uint32_t sio = 0xd000'0000, scs_vtor = 0xe000'ed08, scs_scr = 0xe000'ed10;
+constexpr std::uint32_t sio = 0xd000'0000;
 
 constexpr std::uint32_t reset_syscfg = 1u << 18, reset_timer = 1u << 21;
 constexpr std::uint32_t rescue_flag = 1u << 24;

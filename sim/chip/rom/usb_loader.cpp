@@ -23,7 +23,7 @@ constexpr std::uint32_t control_in = 0, control_out = 1;
 constexpr std::uint32_t bulk_in = 2 * UsbLoader::in_endpoint;
 constexpr std::uint32_t bulk_out = 2 * UsbLoader::out_endpoint + 1;
 constexpr std::uint32_t bulk_out_buffer = dp::buffers, bulk_in_buffer = dp::buffers + 64;
-constexpr std::uint32_t packet_size = 64;
+using picoboot::packet_size;
 
 constexpr std::uint32_t buffer_control_of(std::uint32_t index) {
   return dp::buffer_control + 4 * index;
