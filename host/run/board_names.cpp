@@ -19,12 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> names{virtual_board, chip_board, auto_board, usb_board};
+constexpr std::array<std::string_view, 4> fixed_names{virtual_board, chip_board, auto_board,
+                                                      usb_board};
 
 }  // namespace
 
 std::string remedy_for_name(const std::string& name, const std::vector<std::string>& ports) {
-  std::vector<std::string> known(names.begin(), names.end());
+  std::vector<std::string> known(fixed_names.begin(), fixed_names.end());
   for (const std::string& port : ports) known.push_back(fs::path(port).filename().string());
   std::vector<std::string> similar = similar_names(name, known);
   for (std::string& one : similar)  // a port is given with its folder
@@ -32,7 +33,7 @@ std::string remedy_for_name(const std::string& name, const std::vector<std::stri
       if (fs::path(port).filename() == one) one = port;
   std::string remedy = question_of(similar);
   if (remedy.empty())
-    remedy = fmt::format("give {}, HOST:PORT or a serial port", fmt::join(names, ", "));
+    remedy = fmt::format("give {}, HOST:PORT or a serial port", fmt::join(fixed_names, ", "));
   if (ports.empty()) return remedy + " (this computer has no serial port)";
   return fmt::format("{} (serial ports of this computer: {})", remedy, fmt::join(ports, ", "));
 }
@@ -51,7 +52,9 @@ std::vector<std::string> serial_ports() {
 
 void check_board_name(const std::string& name) {
   std::error_code ignored;
-  if (std::find(names.begin(), names.end(), name) != names.end() || usb_serial(name)) return;
+  if (std::find(fixed_names.begin(), fixed_names.end(), name) != fixed_names.end() ||
+      usb_serial(name))
+    return;
   if (fs::is_regular_file(name, ignored) || fs::is_directory(name, ignored))
     throw Error(Exit::bad_input, "--board",
                 fmt::format("'{}' is a {}, not the port of a board", name,
