@@ -97,7 +97,7 @@ class GapFiller {
     double reach_mm = 0;             // darts nearer to the piece than this are in the list
   };
   struct Open {
-    SeenPiece<Piece> seen;  // the darts of the list
+    SeenPiece<Piece> seen;  // compared with the darts of the list
     List list;
   };
 

@@ -137,7 +137,8 @@ class NearDarts {
  private:
   BlockUnits units_;
   std::size_t size_ = 0;
-  std::array<float, max_set_size + read_ahead> x_{}, y_{}, z_{}, own_{};  // squares of radii
+  std::array<float, max_set_size + read_ahead> x_{}, y_{}, z_{};
+  std::array<float, max_set_size + read_ahead> own_{};  // squares of radii
 };
 
 }  // namespace lamplock::points

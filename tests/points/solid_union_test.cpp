@@ -176,9 +176,9 @@ TEST(FillSolid, HasOneDensityEverywhereInAUnion) {
   constexpr std::size_t samples = 400'000;
   constexpr double per_place = 8 * half * half * half / samples;
   // With fewer points where three bodies are, chance alone exceeds the 3 %.
-  constexpr double least_points = 1500;
+  constexpr double min_points = 1500;
   Density density;
-  for (int i = 0; i < test::scaled(6) || density.points[2] < least_points; ++i) {
+  for (int i = 0; i < test::scaled(6) || density.points[2] < min_points; ++i) {
     const std::vector<Shape> shapes = random_shapes(random, 4);
     const PointCloud cloud =
         points::fill_solid(mesh_of(shapes), {.distance_mm = distance, .seed = random()});
