@@ -123,8 +123,6 @@ class Surface {
     return radius;
   }
 
-  const model::Mesh& mesh() const { return mesh_; }
-
  private:
   double radius_for(double density) const {
     return distance_ / std::max(std::sqrt(density), 1 / max_radius_distances);

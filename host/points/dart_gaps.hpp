@@ -8,7 +8,9 @@
 // of a piece share most corners: only new corners need a comparison with the darts near the piece.
 //
 // Every piece refers to a list of the darts near it; its parts use the same list. Darts that are
-// added later are found by their number when it is the turn of the piece.
+// added later are found by their number when it is the turn of the piece. A list has room for 64
+// darts, and darts of other radii exclude others within another distance: where a list may lack
+// darts, the piece gets a list of its own when it is its turn.
 #pragma once
 
 #include <algorithm>
@@ -64,11 +66,7 @@ class GapFiller {
   const NearDarts& look_round(const Piece& piece) {
     // The last list may have got no piece.
     indices_.resize(open_.empty() ? 0 : open_.back().list.first + open_.back().list.count);
-    list_ = {static_cast<std::uint32_t>(indices_.size()), 0, 0, piece.radius_mm};
-    near_.clear();
-    new_indices_.clear();
-    find_new(piece);
-    list_new();
+    list_all(piece);
     return near_;
   }
 
@@ -94,7 +92,7 @@ class GapFiller {
   struct List {
     std::uint32_t first = 0, count = 0;
     BlockDarts::Index compared = 0;  // darts of the block up to now
-    double reach_mm = 0;             // darts nearer to the piece than this are in the list
+    double reach_mm = 0;             // the darts that exclude one of this radius are in the list
   };
   struct Open {
     SeenPiece<Piece> seen;  // compared with the darts of the list
@@ -104,13 +102,13 @@ class GapFiller {
   Open& open_at(std::uint64_t turn) { return open_[turn & 0xFFFFFFFF]; }
 
   /// Random times of the first of uniformly distributed darts: earlier for larger pieces. A turn is
-  /// the time, whose bits as positive float have its order, and the number of the piece.
+  /// the time, whose bits as a float without sign have its order, and the number of the piece.
   void choose_turns() {
     turns_.clear();
     turns_.reserve(open_.size());
     for (std::uint32_t i = 0; i < open_.size(); ++i) {
-      const auto time =
-          static_cast<float>(-std::log(1 - random_.uniform()) / open_[i].seen.piece.measure());
+      const auto time = static_cast<float>(std::abs(std::log(1 - random_.uniform())) /
+                                           open_[i].seen.piece.measure());
       turns_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(time)} << 32 | i);
     }
     boost::sort::pdqsort_branchless(turns_.begin(), turns_.end());
@@ -119,7 +117,13 @@ class GapFiller {
   void fill(Open& open) {
     SeenPiece<Piece>& seen = open.seen;
     load(open.list);
-    if (find_new(seen.piece) && is_covered(seen, open.list.count)) return;
+    if (may_lack_darts(seen.piece)) {
+      list_all(seen.piece);
+      seen.at_corner = {};
+      if (is_covered(seen, 0)) return;
+    } else if (find_new(seen.piece) && is_covered(seen, open.list.count)) {
+      return;
+    }
     const Dart dart = body_.dart_in(seen.piece, random_);
     if (is_free(dart) && body_.contains(seen.piece, dart.place)) {
       new_indices_.push_back(block_.size());
@@ -143,11 +147,31 @@ class GapFiller {
       near_.add(block_.place(i), block_.radius_mm(i));
   }
 
-  /// Finds the darts near a piece that were added after its list. Returns whether there are any.
+  /// The list of a piece is full, or has been made for smaller radii than its own.
+  bool may_lack_darts(const Piece& piece) const {
+    return near_.is_full() || piece.radius_mm > list_.reach_mm;
+  }
+
+  /// Makes a list of all darts near a piece.
+  void list_all(const Piece& piece) {
+    list_ = {static_cast<std::uint32_t>(indices_.size()), 0, 0, piece.radius_mm};
+    near_.clear();
+    new_indices_.clear();
+    find_new(piece);
+    list_new();
+  }
+
+  /// Finds the darts near a piece that were added after its list. Returns whether there are any for
+  /// which it has room.
   bool find_new(const Piece& piece) {
     if (list_.compared == block_.size()) return false;
     const Ball ball = piece.ball();
     block_.find_near(list_.compared, ball.centre, ball.radius_mm + list_.reach_mm, new_indices_);
+    if (near_.size() + new_indices_.size() > max_set_size) {
+      std::erase_if(new_indices_, [&](BlockDarts::Index i) {
+        return !block_.reaches(i, ball.centre, ball.radius_mm);
+      });
+    }
     for (const BlockDarts::Index i : new_indices_) near_.add(block_.place(i), block_.radius_mm(i));
     return near_.size() != list_.count;
   }
@@ -179,6 +203,7 @@ class GapFiller {
     indices_.insert(indices_.end(), new_indices_.begin(), new_indices_.end());
     list_.count = static_cast<std::uint32_t>(near_.size());
     indices_.resize(list_.first + list_.count);
+    new_indices_.clear();
   }
 
   BlockDarts& block_;

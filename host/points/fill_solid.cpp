@@ -122,13 +122,18 @@ class Body {
     return piece;
   }
 
+  /// The parts of a cube are not too small.
+  bool can_split(const CubePiece& piece) const {
+    constexpr double rounding = 1e-9;
+    return piece.side_mm / 2 >= min_cube * piece.radius_mm * (1 - rounding);
+  }
+
   /// Calls `found` with each eighth of a cube that is not covered.
   template <class Found>
   void split(const SeenCube& whole, const NearDarts& near, const Found& found) const {
     const CubePiece& piece = whole.piece;
+    if (!can_split(piece)) return;
     const double half = piece.side_mm / 2;
-    constexpr double rounding = 1e-9;
-    if (half < min_cube * piece.radius_mm * (1 - rounding)) return;
     std::array<DartSet, 27> at_corner{};  // of all parts: three in a row, from low to high
     const auto at = [half](double low, std::size_t i) {
       return low + static_cast<double>(i) * half;
@@ -257,7 +262,9 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
     SeenCube whole{body.piece_of(cell.low, distance_mm, cell.at_surface)};
     const NearDarts& near = gaps.look_round(whole.piece);
     whole.look(near);
-    if (!whole.is_covered()) body.split(whole, near, [&](const SeenCube& part) { gaps.add(part); });
+    if (whole.is_covered()) continue;
+    if (!body.can_split(whole.piece)) gaps.add(whole);
+    body.split(whole, near, [&](const SeenCube& part) { gaps.add(part); });
   }
   gaps.fill();
 }

@@ -51,13 +51,12 @@ class DartBlocks {
 
   const BlockIndex& index(std::size_t block) const { return blocks_[block]; }
   geometry::Bounds box(std::size_t block) const { return grid_.box(blocks_[block]); }
-  double distance_mm() const { return distance_; }
 
  private:
   friend class BlockDarts;
 
-  /// 16 bits suffice for the number of a point: a block has at most 6000 (the densest arrangement,
-  /// 2^0.5 points per cubic distance).
+  /// 16 bits suffice for the number of a point: a block has at most 7000 (the densest arrangement
+  /// has 2^0.5 points per cubic distance; half a distance at each side is part of it).
   struct Block {
     std::vector<geometry::Point> points;
     std::vector<float> radii;  // negative: not visible; empty while all equal the distance
@@ -93,6 +92,11 @@ class BlockDarts {
   /// Adds to `list` the darts from number `since` nearer to a place than `distance_mm`, and maybe a
   /// few more.
   void find_near(Index since, const geometry::Point& place, double distance_mm, List& list) const;
+  /// A dart excludes others from a place nearer to `place` than `distance_mm`, or almost.
+  bool reaches(Index i, const geometry::Point& place, double distance_mm) const {
+    const double reach = darts_[i].radius_mm + distance_mm + rounding_mm_;
+    return square_of_distance(place, darts_[i].place) < reach * reach;
+  }
   /// Adds a dart that is free.
   void add(const Dart& dart);
 
@@ -109,7 +113,7 @@ class BlockDarts {
     std::int32_t next;  // -1 at the end
   };
 
-  static std::size_t beyond(const BlockIndex& own, const BlockIndex& other);
+  static std::size_t beyond(const BlockIndex& block, const BlockIndex& other);
   void copy_from(const DartBlocks::Block& other, std::size_t face);
   void enter(const geometry::Point& place, float radius_mm);
   static std::size_t cell_index(int x, int y, int z) {

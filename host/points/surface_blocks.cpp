@@ -141,8 +141,9 @@ BlockGrid grid_over(const geometry::Bounds& box, double side_mm, const std::stri
                 fmt::format("a size of {:.3g} mm is too large for this spacing", box.max_side()),
                 "use a larger spacing or a smaller size");
   }
-  // Far from the origin neighbouring points have the same coordinates.
-  constexpr double max_sides_away = 1e9;
+  // Further from the origin doubles are too coarse: here they have steps of 2e-9 of a side, and the
+  // search for gaps allows for rounding by 6e-8 of it.
+  constexpr double max_sides_away = 1e7;
   double furthest = 0;
   for (const geometry::Point& corner : {box.low, box.high})
     furthest = std::max({furthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
