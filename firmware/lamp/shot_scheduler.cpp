@@ -182,8 +182,11 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
     if (!p.shot || p.issued) continue;
     if (p.last_beat > clock.next_beat() + 1) return false;  // as below, faster
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
-    // Too late: the beat passes, edge() reports the miss.
-    if (tick + p.half_window_ticks <= present_tick && present_tick > tick) return false;
+    // A token that outlived its arm window could fire in that of the next shot, as the delay may
+    // take most of a beat. Too late: the beat passes, edge() reports the miss.
+    const std::uint64_t window_end =
+        tick - clock.delay_ticks() + max_decision_ticks + p.half_window_ticks;
+    if (window_end <= present_tick) return false;
     // Its way may not have begun and may still be replanned: a token that is out cannot be changed.
     if (tick >= clock.next_tick() + clock.beat_ticks()) return false;
     // Too early: the beat passes, and so does the point; the machine returns to it.
@@ -192,8 +195,8 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
     token_out_ = true;
     token_beat_ = p.last_beat;
     token_beat_reason_ = BeatReason::no_edge;
-    token = {p.last_beat, tick - clock.delay_ticks() - clock.beat_ticks() / 2,
-             tick + p.half_window_ticks, p.channel, p.energy};
+    token = {p.last_beat, tick - clock.delay_ticks() - clock.beat_ticks() / 2, window_end,
+             p.channel, p.energy};
     return true;
   }
   return false;

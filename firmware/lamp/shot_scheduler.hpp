@@ -37,11 +37,15 @@
 
 namespace lamplock::lamp {
 
+/// From an edge to the decision on it, at most (machine::fire_decision_clocks). The arm window is
+/// the delay of the shot less this time before the lattice tick.
+inline constexpr std::uint32_t max_decision_ticks = 3;
+
 /// The right to one shot.
 struct FireToken {
   std::uint64_t beat = 0;
   std::uint64_t not_before_tick = 0;  ///< load into the hardware from this tick on
-  std::uint64_t expires_tick = 0;     ///< withdraw at this tick if there was no edge
+  std::uint64_t expires_tick = 0;     ///< withdraw at this tick, at the end of the arm window
   std::uint8_t channel = 0;
   std::uint16_t energy = 0;
 };

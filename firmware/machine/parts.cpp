@@ -67,6 +67,7 @@ FireTiming MachineParts::fire_timing() const {
 void MachineParts::set_trigger() {
   const FireTiming timing = fire_timing();
   // The shot is decided earlier than it is fired: the arm window is shifted by the difference.
+  static_assert(fire_decision_clocks <= lamp::max_decision_ticks * clocks_per_tick);
   const std::uint32_t lead = timing.delay_clocks - fire_decision_clocks;
   runner_.generator().set_arm_lead((lead + clocks_per_tick / 2) / clocks_per_tick);
   stepper::TriggerPattern trigger;

@@ -90,6 +90,27 @@ INSTANTIATE_TEST_SUITE_P(
              (std::get<1>(tested.param) == JoinMode::free ? "Free" : "StartStop");
     });
 
+/// Rows with a shot on every beat and a delay of most of a beat: where a flash fails, the next one
+/// comes before the lattice tick of its shot.
+TEST(ShotDelay, OfMostOfABeatNeverFiresAtTheNextPoint) {
+  for (const double delay_us : {100.0, 160.0, 195.0, 210.0, 225.0}) {
+    for (int seed = 0; seed < scaled(2) + 1; ++seed) {
+      job::Profile profile = lamp_profile(4000, LampMode::slave, 10);
+      job::state_setting(profile, Id::q_switch_delay, delay_us, "test");
+      job::state_setting(profile, Id::q_switch_width, 20, "test");
+      geometry::PointCloud row;
+      for (int i = 0; i < 300; ++i) row.push_back({0.01 * i, 0, 0});
+      const job::Job job = job::make_job(row, profile, {});
+      Rig rig(profile, {.dropout = 0.05, .seed = static_cast<std::uint64_t>(seed) + 1});
+      SCOPED_TRACE(testing::Message() << delay_us << " us, seed " << seed);
+      const link::JobResult result = run_job(rig, job);
+      ASSERT_EQ(result.end, link::JobEnd::done);
+      ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+      EXPECT_GT(beats_of(result.status, BeatReason::no_edge), 0u);
+    }
+  }
+}
+
 /// Coarse steps: the tolerance is half a step, without a margin for rounding.
 TEST(ShotTolerance, HoldsAtTheRealEdgeWithoutRoomToSpare) {
   for (const auto& [per_mm, tolerance_um] :

@@ -227,5 +227,16 @@ TEST(Throughput, ALongShotDelayMissesNoBeat) {
   EXPECT_GE(max_run(rig.shots()), 300u);
 }
 
+/// With a delay of most of a beat the flash after one that fails comes before the lattice tick of
+/// that shot.
+TEST(Throughput, AfterAFailedFlashALongShotDelayFiresNoOtherPoint) {
+  job::Profile profile = quick_profile(4000);
+  job::state_setting(profile, Id::lamp_mode, static_cast<int>(settings::LampMode::slave), "test");
+  job::state_setting(profile, Id::q_switch_delay, 210, "test");
+  job::state_setting(profile, Id::q_switch_width, 20, "test");
+  ChipRig rig(profile.settings, world_for(profile, {.dropout = 0.03, .seed = 2}));
+  ASSERT_NO_FATAL_FAILURE(run(rig, rows(profile, 1, 200, 0.01)));
+}
+
 }  // namespace
 }  // namespace lamplock::test

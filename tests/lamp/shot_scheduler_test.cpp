@@ -351,7 +351,8 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   time_up_to(4);
   ASSERT_TRUE(token(first));
   EXPECT_EQ(first.beat, 4u);
-  EXPECT_EQ(first.expires_tick, clock_.tick_of_beat(4) + 50);
+  EXPECT_EQ(first.expires_tick,
+            clock_.tick_of_beat(4) - clock_.delay_ticks() + max_decision_ticks + 50);
   EXPECT_EQ(first.not_before_tick,
             clock_.tick_of_beat(4) - clock_.delay_ticks() - clock_.beat_ticks() / 2);
   EXPECT_FALSE(token(second));
@@ -364,6 +365,34 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
   EXPECT_EQ(done[0].outcome, ShotResult::fired);
+}
+
+/// A token that outlived its arm window could fire at the next point.
+TEST_F(ByHand, ATokenEndsBeforeTheNextArmWindowForAnyDelay) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < test::scaled(200); ++i) {
+    const std::int32_t milli_hz =
+        std::uniform_int_distribution<std::int32_t>(100'000, 8'000'000)(random);
+    const auto beat_us = static_cast<std::int32_t>(1'000'000'000 / milli_hz);
+    const std::int32_t delay_us =
+        std::uniform_int_distribution<std::int32_t>(5, std::min(beat_us - 2, 1000))(random);
+    settings::Values values = free_beat();
+    values.set_milli(settings::Id::lamp_frequency, milli_hz);
+    values.set_milli(settings::Id::q_switch_delay, delay_us * 1000);
+    clock_.configure(values);
+    scheduler_.begin_job();
+    // The widest window is a quarter of a beat to each side.
+    const std::uint32_t half_window = clock_.beat_ticks() / 4;
+    const std::uint64_t beat = clock_.next_beat() + 1;
+    scheduler_.commit(shot_segment(0, half_window), beat, beat);
+    time_up_to(beat);
+    FireToken shot;
+    ASSERT_TRUE(scheduler_.next_token(shot, clock_, clock_.tick_of_beat(beat - 1)));
+    const std::uint64_t arm_lead = clock_.delay_ticks() - max_decision_ticks;
+    EXPECT_GE(shot.expires_tick, clock_.tick_of_beat(beat) - arm_lead + half_window);
+    EXPECT_LT(shot.expires_tick, clock_.tick_of_beat(beat + 1) - arm_lead - half_window)
+        << milli_hz << " mHz, delay " << delay_us << " us";
+  }
 }
 
 TEST_F(ByHand, AMissBlocksUntilTheRestart) {
