@@ -53,16 +53,7 @@ class Trial {
   const wire::Status& status() const { return sender_.status(); }
   const sim::Shots& shots() const { return board_.world().laser().shots(); }
 
-  StartState standing() const {
-    const machine::JobRunner& runner = board_.controller().runner();
-    const lamp::BeatClock& clock = board_.controller().clock();
-    StartState standing{.min_tick_q16 = runner.plan_min_tick_q16(),
-                        .long_min_tick_q16 = runner.lasting_min_tick_q16(),
-                        .follows_lamp = clock.mode() == settings::LampMode::slave};
-    // As in the runner: axes with different leads never reach the same tick.
-    if (runner.generator().lead() == 0) standing.max_tick_q16 = clock.max_tick_q16();
-    return standing;
-  }
+  machine::PlanPace plan_pace() const { return board_.controller().runner().plan_pace(); }
 
  private:
   /// A machine that homes is locked at its power-up.
@@ -143,12 +134,12 @@ class BeatCount {
   std::uint64_t ticks_q16_ = 0, ticks_at_shot_q16_ = 0;
 };
 
-void add_plan(const job::Job& job, const EstimateOptions& options, const StartState& standing,
+void add_plan(const job::Job& job, const EstimateOptions& options, const machine::PlanPace& pace,
               Estimate& estimate) {
   const std::int32_t least = min_beats(job.settings);
   BeatCount count(least, estimate);
   std::size_t news = options.first + points_per_news;
-  plan_job(job, {standing, options.first, options.job_speed, least}, [&](const Way& way) {
+  plan_job(job, {pace, options.first, least}, [&](const Way& way) {
     count.add(way);
     if (way.point < news) return;
     news += points_per_news;
@@ -196,7 +187,7 @@ Estimate estimate_job(const job::Job& job, const EstimateOptions& options) {
   if (on_board)
     add_run(job, trial, estimate);
   else
-    add_plan(job, options, trial.standing(), estimate);
+    add_plan(job, options, trial.plan_pace(), estimate);
   return estimate;
 }
 

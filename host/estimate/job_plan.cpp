@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "firmware/machine/runners/next_window.hpp"
-#include "firmware/machine/runners/window_plan.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "host/error.hpp"
 #include "shared/wire/framing.hpp"
@@ -20,12 +19,6 @@ class WindowStream {
   WindowStream(const job::Job& job, const PlanOptions& options)
       : job_(job),
         options_(options),
-        pace_{.wanted = {options.standing.min_tick_q16, options.job_speed},
-              .long_tick_q16 = options.standing.long_min_tick_q16,
-              .max_tick_q16 = options.standing.max_tick_q16,
-              .short_ticks = options.standing.follows_lamp
-                                 ? machine::short_plan_ticks(beat_ticks(job.settings))
-                                 : 0},
         encoder_(job, options.first),
         limits_(work_space(job.settings)) {
     decoder_.begin(job::header_from(job, options.first));
@@ -34,8 +27,7 @@ class WindowStream {
     run_.min_beats = options.min_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
     window_.continue_at({queue_.begin(), 0});
-    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.long_min_tick_q16);
-    pace_.may_cut = !plan_.brake_limits().jerk_limited();
+    plan_.begin_job(job.settings, beat_ticks(job.settings), options.pace.long_tick_q16);
     for (stepper::AxisState& axis : start_.axis) axis.position_q64 = stepper::middle_of_step(0);
   }
 
@@ -61,14 +53,14 @@ class WindowStream {
 
   void make_plan() {
     window_.fill_request(
-        {start_.at_rest(), off_target_, options_.job_speed < wire::full_job_speed});
+        {start_.at_rest(), off_target_, options_.pace.wanted.job_speed < wire::full_job_speed});
     motion::PlanRequest& request = plan_.request();
     request.queue = &queue_;
     request.mode = run_.mode;
     request.min_beats = run_.min_beats;
     request.start = start_;
     request.follows = !off_target_;
-    plan_.start(pace_);
+    plan_.start(options_.pace);
     while (plan_.advance(job_.settings, job_.settings)) {
     }
     if (plan_.found()) return;
@@ -97,7 +89,6 @@ class WindowStream {
 
   const job::Job& job_;
   const PlanOptions& options_;
-  machine::PlanPace pace_;
   job::RecordEncoder encoder_;
   program::PulseDecoder decoder_;
   StepLimits limits_;

@@ -1,6 +1,6 @@
 // Plans a whole job of points with the firmware's planner, without a machine.
 //
-// In:  a job, the state of the machine at its begin (its ticks), the first point.
+// In:  a job, the conditions of its plans (ticks, job speed), the first point.
 // Out: every move of the plan, in order: its point, its beats, whether it ends with a shot.
 // Who: the estimate (estimate.hpp). Budget: a million points of a cloud in 10 s.
 //
@@ -15,18 +15,11 @@
 #include <cstdint>
 #include <functional>
 
+#include "firmware/machine/runners/window_plan.hpp"
 #include "host/job/job.hpp"
 #include "shared/beat.hpp"
 
 namespace lamplock::estimate {
-
-/// State of the machine when it makes its first plan.
-struct StartState {
-  std::uint32_t min_tick_q16 = full_tick_q16;       ///< expected, over the nominal one
-  std::uint32_t long_min_tick_q16 = full_tick_q16;  ///< the same for a long plan
-  std::uint32_t max_tick_q16 = full_tick_q16;       ///< allowed in a plan
-  bool follows_lamp = false;                        ///< as slave
-};
 
 /// One move of a plan: from the point before, or for another flash at the same one.
 struct Way {
@@ -39,10 +32,9 @@ struct Way {
 
 /// Options of a plan.
 struct PlanOptions {
-  StartState standing;
-  std::size_t first = 0;          ///< point to begin with
-  std::uint32_t job_speed = 100;  ///< percent
-  std::int32_t min_beats = 1;     ///< between two shots
+  machine::PlanPace pace;      ///< of the runner at the begin of the job (JobRunner::plan_pace())
+  std::size_t first = 0;       ///< point to begin with
+  std::int32_t min_beats = 1;  ///< between two shots
 };
 
 /// Called with every move of a plan.

@@ -72,14 +72,23 @@ void JobRunner::change_beat(const settings::Values& values, std::int32_t min_bea
 }
 
 std::uint32_t JobRunner::lasting_min_tick_q16() const {
-  const std::uint32_t shortest = clock_.min_tick_q16(long_plan_ticks);
+  const std::uint32_t shortest = clock_.min_tick_q16(long_plan_ticks(clock_.beat_ticks()));
   return shortest < full_tick_q16 ? shortest : full_tick_q16;
 }
 
-std::uint32_t JobRunner::plan_min_tick_q16() const {
+PlanPace JobRunner::plan_pace() const {
+  const bool is_slave = clock_.mode() == settings::LampMode::slave;
+  const std::uint32_t short_ticks = short_plan_ticks(clock_.beat_ticks());
   // The drift up to the middle of the plan. In its second half the share of the slew limit in the
   // limits covers most of the rest; the lattice may lag the lamp by some microseconds.
-  return clock_.min_tick_q16(plan_ahead_ticks + short_plan_ticks(clock_.beat_ticks()) / 2);
+  const std::uint32_t min_tick_q16 = clock_.min_tick_q16(plan_ahead_ticks + short_ticks / 2);
+  // Axes with different leads are never at rest at the same tick: no other length can begin there.
+  return {.wanted = {min_tick_q16, job_speed_},
+          .long_tick_q16 = lasting_min_tick_q16(),
+          .max_tick_q16 = generator_.lead() == 0 ? clock_.max_tick_q16() : full_tick_q16,
+          .short_ticks = is_slave ? short_ticks : 0,
+          .long_ticks = is_slave ? long_plan_ticks(clock_.beat_ticks()) : 0,
+          .may_cut = !brake_limits_.jerk_limited() && ahead_ticks() <= short_ticks};
 }
 
 void JobRunner::read_outcomes() {
@@ -222,14 +231,7 @@ void JobRunner::begin_plan() {
   request.min_beats = options_.min_beats;
   request.start = plan_state_;
   request.follows = !off_target_;
-  const bool is_slave = clock_.mode() == settings::LampMode::slave;
-  const std::uint32_t short_ticks = short_plan_ticks(clock_.beat_ticks());
-  // Axes with different leads are never at rest at the same tick: no other length can begin there.
-  plan_.start({.wanted = {plan_min_tick_q16(), job_speed_},
-               .long_tick_q16 = lasting_min_tick_q16(),
-               .max_tick_q16 = generator_.lead() == 0 ? clock_.max_tick_q16() : full_tick_q16,
-               .short_ticks = is_slave ? short_ticks : 0,
-               .may_cut = !brake_limits_.jerk_limited() && ahead_ticks() <= short_ticks});
+  plan_.start(plan_pace());
   asked_tick_ = generator_.tick();
   handed_ = staged_ = 0;
   work_exchange_.hand_out();

@@ -162,9 +162,8 @@ class JobRunner {
   /// Shortest tick to expect over the nominal one while a plan is run that lasts long, at most
   /// nominal: for limits that hold from one plan to the next. Masked.
   std::uint32_t lasting_min_tick_q16() const;
-  /// Shortest tick to expect over the nominal one while a plan is run that is made now and lasts
-  /// for short_plan_ticks(). Masked.
-  std::uint32_t plan_min_tick_q16() const;
+  /// Conditions of a plan that is made now. Masked.
+  [[gnu::cold]] PlanPace plan_pace() const;
   /// Motion ended with speed; the provisional brake prevents that.
   bool underrun() const { return generator_.underrun(); }
 

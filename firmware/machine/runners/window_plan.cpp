@@ -49,6 +49,7 @@ void WindowPlan::begin_job(const settings::Values& values, std::uint32_t beat_ti
   is_long_ = false;
   make_limits(values, values, pace_, limits_);
   brake_limits_ = limits_;
+  brake_pace_ = pace_;
 }
 
 bool WindowPlan::make_limits(const settings::Values& values, const settings::Values& own,
@@ -96,16 +97,25 @@ bool WindowPlan::begin_attempt(const settings::Values& values, const settings::V
 /// Limits of the present attempt; null if they cannot be made.
 const motion::Limits* WindowPlan::attempt_limits(const settings::Values& values,
                                                  const settings::Values& own) {
-  Pace pace = trying_;
-  if (attempt_ == Attempt::before) return &limits_;
-  if (attempt_ == Attempt::longer) pace = {longer_tick_q16(), pace_.job_speed};
-  if (attempt_ == Attempt::longer ? pace.tick_q16 == full_tick_q16 : pace == pace_) return &limits_;
-  if (attempt_ == Attempt::wanted) {
+  Pace pace = attempt_ == Attempt::wanted ? trying_ : pace_;
+  if (attempt_ == Attempt::longer) {
+    pace.tick_q16 = longer_tick_q16();
+    if (pace.tick_q16 == full_tick_q16) return &limits_;
+  } else {
     if (pace.job_speed > fastest_) fastest_ = pace.job_speed;
-    if (make_limits(values, own, {pace.tick_q16, fastest_}, new_limits_))
-      brake_limits_ = new_limits_;
+    set_brake_limits(values, own, pace.tick_q16);
+    if (pace == pace_) return &limits_;
   }
   return make_limits(values, own, pace, new_limits_) ? &new_limits_ : nullptr;
+}
+
+/// A brake has the ticks of the plan that it ends, and the limits of the fastest job speed so far.
+void WindowPlan::set_brake_limits(const settings::Values& values, const settings::Values& own,
+                                  std::uint32_t tick_q16) {
+  const Pace pace{tick_q16, fastest_};
+  if (pace == brake_pace_ || !make_limits(values, own, pace, new_limits_)) return;
+  brake_limits_ = new_limits_;
+  brake_pace_ = pace;
 }
 
 void WindowPlan::end_attempt(bool found) {
@@ -150,7 +160,7 @@ bool WindowPlan::choose_count() {
   std::uint32_t ticks = 0, count = 0, within = 0;
   do {
     ticks += static_cast<std::uint32_t>(segment(count).ticks);
-    if (ticks > long_plan_ticks && count != 0) break;
+    if (ticks > conditions_.long_ticks && count != 0) break;
     ++count;
     if (ticks <= conditions_.short_ticks) within = count;
   } while (count < count_);

@@ -52,15 +52,21 @@ constexpr std::uint32_t short_plan_ticks(std::uint32_t beat_ticks) {
   constexpr std::uint32_t min_ticks = ticks_per_second / 10, min_beats = 8;
   return min_beats * beat_ticks > min_ticks ? min_beats * beat_ticks : min_ticks;
 }
-/// As slave any other plan is handed out up to 2 s after its start, with limits for more drift.
-inline constexpr std::uint32_t long_plan_ticks = 2 * ticks_per_second;
+/// As slave any other plan is handed out up to this time after its start, with limits for more
+/// drift: 2 s, or twice the time of a short plan where that is longer.
+constexpr std::uint32_t long_plan_ticks(std::uint32_t beat_ticks) {
+  constexpr std::uint32_t min_ticks = 2 * ticks_per_second;
+  const std::uint32_t ticks = 2 * short_plan_ticks(beat_ticks);
+  return ticks > min_ticks ? ticks : min_ticks;
+}
 
 /// Conditions of a plan.
 struct PlanPace {
   Pace wanted;                                  ///< as slave for a plan of short_ticks
-  std::uint32_t long_tick_q16 = full_tick_q16;  ///< shortest tick within long_plan_ticks
+  std::uint32_t long_tick_q16 = full_tick_q16;  ///< shortest tick within long_plan_ticks()
   std::uint32_t max_tick_q16 = full_tick_q16;   ///< maximum length of a tick, as master
   std::uint32_t short_ticks = 0;                ///< as slave short_plan_ticks(), otherwise 0
+  std::uint32_t long_ticks = 0;                 ///< as slave long_plan_ticks(), otherwise 0
   bool may_cut = false;                         ///< a plan may be cut to short_ticks
 };
 
@@ -105,6 +111,8 @@ class WindowPlan {
                    motion::Limits& limits) const;
   bool begin_attempt(const settings::Values& values, const settings::Values& own);
   const motion::Limits* attempt_limits(const settings::Values& values, const settings::Values& own);
+  void set_brake_limits(const settings::Values& values, const settings::Values& own,
+                        std::uint32_t tick_q16);
   void end_attempt(bool found);
   void end_wanted(bool found);
   void end_longer(bool found);
@@ -117,6 +125,7 @@ class WindowPlan {
   motion::PlanRequest request_;
   motion::Limits limits_, new_limits_;
   motion::BrakeLimits brake_limits_;
+  Pace brake_pace_;      ///< of brake_limits_
   Pace pace_;            ///< of limits_
   PlanPace conditions_;  ///< at start()
   Pace trying_;
@@ -129,7 +138,7 @@ class WindowPlan {
   Step step_ = Step::over;
   Attempt attempt_ = Attempt::wanted;
   bool found_ = false;
-  bool is_long_ = false;  ///< the last plan had limits for long_plan_ticks
+  bool is_long_ = false;  ///< the last plan had limits for long_plan_ticks()
 };
 
 }  // namespace lamplock::machine
