@@ -169,11 +169,17 @@ bool MachineConsole::may_change_in_estop(Id id) {
 #endif
 }
 
-/// Reports which setting the board does not have, if there is one.
+/// Reports which value of a setting the board does not have, if there is one.
 GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
   const Id refused = boards::unfit_setting(board_.limits, values);
   if (refused == Id::count) return refuse_for_drives(values);
   const std::uint16_t number = settings::number(refused);
+  if (refused == Id::lamp_frequency) {
+    // By the clock of its processor.
+    TextLine reason;
+    reason.add(" at most ").add(std::int64_t{board_.limits.max_lamp_milli_hz / 1000});
+    return refuse_number(number, reason.add(" Hz on a board ").view());
+  }
   return refuse_number(number, settings::needs_sensor(number) ? lacks_sensor : of_another_board);
 }
 

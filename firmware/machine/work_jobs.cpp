@@ -62,13 +62,13 @@ bool MachineWork::fires_without_edges(const wire::JobHeader& header,
 }
 
 Result MachineWork::check_settings(const settings::Values& values, std::uint16_t& setting) const {
-  motion::Limits limits;
-  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
-  if (r != Result::ok) return r;
   if (values.milli(Id::lamp_frequency) > board_.limits.max_lamp_milli_hz) {
     setting = settings::number(Id::lamp_frequency);
     return Result::bad_value;
   }
+  motion::Limits limits;
+  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
+  if (r != Result::ok) return r;
   setting = broken_motors(values, limits, motion_.generator().kinematics());
   if (setting == 0) setting = lamp::broken_protection(values);
   return setting == 0 ? Result::ok : Result::bad_value;

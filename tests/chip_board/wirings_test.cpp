@@ -110,7 +110,7 @@ TEST_P(EachBoard, RefusesAxesChannelsAndBeatsThatItLacks) {
   EXPECT_THAT(rig.answer("$924=8"),
               HasSubstr((boards::channels(map) & 8) != 0 ? "ok" : "another board"));
   EXPECT_THAT(rig.answer("$901=5000"), HasSubstr("ok"));
-  EXPECT_THAT(rig.answer("$901=5000.001"), HasSubstr("another board"));
+  EXPECT_THAT(rig.answer("$901=5000.001"), HasSubstr("$901 at most 5000 Hz on a board "));
   EXPECT_THAT(rig.answer("$RST=$"), HasSubstr("ok"));
 }
 
