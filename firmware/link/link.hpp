@@ -39,7 +39,7 @@ namespace lamplock::link {
 ///   on_command(request)     hold, resume, stop or another speed, from the host's user
 ///   refused_value()         after a result other than ok: setting number, index of the point or
 ///                           value of the command
-///   standing()              values whose change causes a STATUS; called at every poll
+///   status_summary()        values whose change causes a STATUS; called at every poll
 ///   fill_status(status)     all members of Status that the link does not know
 template <class Sink>
 concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
@@ -54,7 +54,7 @@ concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
   { sink.on_end(total) } -> std::same_as<Result>;
   { sink.on_command(request) } -> std::same_as<Result>;
   { reader.refused_value() } -> std::convertible_to<std::uint32_t>;
-  { reader.standing() } -> std::same_as<wire::StatusSummary>;
+  { reader.status_summary() } -> std::same_as<wire::StatusSummary>;
   reader.fill_status(status);
 };
 
@@ -73,7 +73,7 @@ class Link {
   /// the machine's state has changed. To be called at least once a millisecond.
   template <LinkSink Sink>
   void poll(Sink& sink) {
-    if (frames_spoken_ && sink.standing().is_news(told_)) status_due_ = true;
+    if (frames_used_ && sink.status_summary().is_news(sent_summary_)) status_due_ = true;
     if (status_due_) send_status(sink);
   }
 
@@ -82,7 +82,7 @@ class Link {
   /// not from within receive().
   void new_connection() {
     parser_.reset();
-    frames_spoken_ = false;
+    frames_used_ = false;
   }
   /// Drops an incomplete line or frame: a reset has discarded the rest of it.
   void drop_input() { parser_.reset(); }
@@ -131,7 +131,7 @@ class Link {
     void on_frame(std::span<const std::uint8_t> content) { link.handle_frame(content, sink); }
     void on_bad_frame() { ++link.counters_.bad_frames; }
     void on_line(std::string_view line) {
-      link.frames_spoken_ = false;
+      link.frames_used_ = false;
       sink.on_line(line);
     }
     void on_lost_line() {
@@ -148,7 +148,7 @@ class Link {
       ++counters_.bad_frames;
       return;
     }
-    frames_spoken_ = frame_seen_ = true;
+    frames_used_ = frame_seen_ = true;
     status_due_ = true;
     switch (header.type) {
       case wire::FrameType::query:
@@ -255,7 +255,7 @@ class Link {
     send_frame(out.written());
     status_due_ = false;
     ++status_number_;
-    told_ = status;
+    sent_summary_ = status;
   }
 
   void send_frame(std::span<const std::uint8_t> content) {
@@ -278,13 +278,13 @@ class Link {
   wire::StreamParser<wire::End::device> parser_;
   TransmitRing ring_;
   wire::LinkCounters counters_;
-  wire::StatusSummary told_;  ///< in the last STATUS sent
+  wire::StatusSummary sent_summary_;  ///< in the last STATUS sent
   std::uint32_t session_ = 0;
   std::uint32_t next_number_ = first_number;
   std::uint32_t last_command_ = 0;
   std::uint32_t echo_ = 0;
   std::uint32_t status_number_ = 0;
-  bool frames_spoken_ = false;  ///< the last input of the host was a frame
+  bool frames_used_ = false;  ///< the last input of the host was a frame
   bool frame_seen_ = false;
   bool status_due_ = false;
   bool line_open_ = false;  ///< the last text sent has not ended its line

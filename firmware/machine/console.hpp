@@ -37,12 +37,12 @@ class MachineConsole : public MachineWork {
   /// Waits for room: a host that reads no answers gets its status later.
   void send_status_line();
   /// The only part changed by interrupts, the lamp's lock, is a single read: not masked.
-  wire::StatusSummary standing() const {
-    wire::StatusSummary standing{wire_state(machine_.state(), machine_.activity()),
-                                 machine_.hold_reason(), machine_.alarm(), clock_.locked(),
-                                 runner_.queue().free()};
-    if (rows_.active()) add_rows(standing);
-    return standing;
+  wire::StatusSummary status_summary() const {
+    wire::StatusSummary summary{wire_state(machine_.state(), machine_.activity()),
+                                machine_.hold_reason(), machine_.alarm(), clock_.locked(),
+                                runner_.queue().free()};
+    if (rows_.active()) add_rows(summary);
+    return summary;
   }
   void fill_status(wire::Status& status) const;
 
@@ -89,7 +89,7 @@ class MachineConsole : public MachineWork {
   std::string_view state_name() const;
   ReportedStatus reported_status() const;
   void add_beats(TextLine& line) const;
-  [[gnu::cold]] void add_rows(wire::StatusSummary& standing) const;
+  [[gnu::cold]] void add_rows(wire::StatusSummary& summary) const;
 
   std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept after it has run; this value = none
   KeptText new_start_up_text_;

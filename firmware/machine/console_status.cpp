@@ -133,7 +133,7 @@ void MachineConsole::add_beats(TextLine& line) const {
 
 void MachineConsole::fill_status(wire::Status& status) const {
   const Masked masked(mask_);
-  static_cast<wire::StatusSummary&>(status) = standing();
+  static_cast<wire::StatusSummary&>(status) = status_summary();
   status.received = runner_.queue().end();
   status.first_unfired = runner_.queue().begin();
   status.shots = shots_.ledger().shots();
@@ -148,11 +148,11 @@ void MachineConsole::fill_status(wire::Status& status) const {
   if (rows_.known()) rows_.fill_status(status);
 }
 
-void MachineConsole::add_rows(wire::StatusSummary& standing) const {
+void MachineConsole::add_rows(wire::StatusSummary& summary) const {
   const program::RowRoom room = rows_.room();
-  standing.free_points = room.lines;
-  standing.free_runs = room.runs;
-  standing.rows = true;
+  summary.free_points = room.lines;
+  summary.free_runs = room.runs;
+  summary.rows = true;
 }
 
 }  // namespace lamplock::machine

@@ -230,7 +230,7 @@ class Controller : private MachineConsole {
   const ProgramReader& reader() const { return reader_; }
 
   // Calls of the link (LinkSink); not for boards.
-  using MachineConsole::fill_status, MachineConsole::standing;
+  using MachineConsole::fill_status, MachineConsole::status_summary;
   using MachineConsole::on_line, MachineConsole::on_line_too_long, MachineConsole::on_realtime;
   using MachineWork::on_begin, MachineWork::on_command, MachineWork::on_data, MachineWork::on_end;
   std::uint32_t refused_value() const { return refused_value_; }

@@ -89,7 +89,7 @@ std::string end_text(const RunResult& result) {
 
 chip::script::Failure open_step(const ChipRun& run, const RunResult& result) {
   // If a limit has ended the run, the last instructions may have ended after it.
-  return run.script()->standing(std::min(run.now(), result.limit));
+  return run.script()->not_complete(std::min(run.now(), result.limit));
 }
 
 std::string chip_summary(ChipRun& run, const RunResult& result) {

@@ -50,11 +50,11 @@ class Events {
       make();
       run_ms(random_() % 3 == 0 ? 400 : 60);
     }
-    ASSERT_EQ(judge_->fault(), "") << told_;
+    ASSERT_EQ(judge_->fault(), "") << events_;
     comes_to_rest();
-    ASSERT_EQ(judge_->fault(), "") << told_;
+    ASSERT_EQ(judge_->fault(), "") << events_;
     jogs_in_the_dark();
-    ASSERT_EQ(judge_->fault(), "") << told_;
+    ASSERT_EQ(judge_->fault(), "") << events_;
   }
 
  private:
@@ -88,8 +88,8 @@ class Events {
   void make() {
     static constexpr std::array<std::uint8_t, 7> bytes{'!', '~', 0x18, 0x84, 0x85, 0x91, '!'};
     const std::uint64_t which = random_() % (bytes.size() + 4);
-    told_ += fmt::format("{} at {:.3f} ms; ", which,
-                         static_cast<double>(machine_->rig.board.now()) * 1e-9);
+    events_ += fmt::format("{} at {:.3f} ms; ", which,
+                           static_cast<double>(machine_->rig.board.now()) * 1e-9);
     if (which < bytes.size()) return machine_->host.send(bytes[which]);
     if (which < bytes.size() + 2) return set(sim::Pin::door, which == bytes.size());
     set(sim::Pin::probe, which == bytes.size() + 2);
@@ -103,10 +103,10 @@ class Events {
     const std::size_t before = banners();
     machine_->host.send(std::uint8_t{0x18});
     reset_ = machine_->rig.board.now();
-    ASSERT_TRUE(machine_->wait_for([&] { return banners() != before; })) << told_;
-    EXPECT_LT(machine_->rig.board.now() - reset_, 1000 * ps_per_ms) << told_;
+    ASSERT_TRUE(machine_->wait_for([&] { return banners() != before; })) << events_;
+    EXPECT_LT(machine_->rig.board.now() - reset_, 1000 * ps_per_ms) << events_;
     machine_->host.ask("$X\n");
-    ASSERT_EQ(machine_->rig.state(), MachineState::idle) << told_;
+    ASSERT_EQ(machine_->rig.state(), MachineState::idle) << events_;
   }
   std::size_t banners() const {
     const auto& said = machine_->host.said();
@@ -126,19 +126,20 @@ class Events {
     m.host.run_ms(10);
     const StepPosition before = half_steps();
     const std::int32_t side_before = m.loads()[side];
-    ASSERT_THAT(m.host.ask("$J=G91 G21 X-0.5 F600\n", 2), testing::ElementsAre("ok")) << told_;
+    ASSERT_THAT(m.host.ask("$J=G91 G21 X-0.5 F600\n", 2), testing::ElementsAre("ok")) << events_;
     m.host.run_ms(300);
     const StepPosition after = half_steps();
     // A move from a half step ends on a whole one.
-    EXPECT_NEAR(after[0], before[0] - 2 * 100, std::abs(before[0] % 2)) << told_;
-    EXPECT_NEAR(after[1], before[1], std::abs(before[1] % 2)) << told_;
-    EXPECT_EQ(after[2], before[2]) << told_;
-    EXPECT_EQ(m.loads()[side], side_before) << told_;
-    ASSERT_THAT(m.host.ask("G90 G1 Y0 F6000\n", 2), testing::ElementsAre("ok")) << told_;
+    EXPECT_NEAR(after[0], before[0] - 2 * 100, std::abs(before[0] % 2)) << events_;
+    EXPECT_NEAR(after[1], before[1], std::abs(before[1] % 2)) << events_;
+    EXPECT_EQ(after[2], before[2]) << events_;
+    EXPECT_EQ(m.loads()[side], side_before) << events_;
+    ASSERT_THAT(m.host.ask("G90 G1 Y0 F6000\n", 2), testing::ElementsAre("ok")) << events_;
     set(sim::Pin::probe, true);  // no longer watched
     m.host.run_ms(2000);
-    EXPECT_EQ(m.host.position()[1], 0) << told_;
-    EXPECT_FALSE(m.rig.board.world().beam().shone(reset_ + ps_per_ms, m.rig.board.now())) << told_;
+    EXPECT_EQ(m.host.position()[1], 0) << events_;
+    EXPECT_FALSE(m.rig.board.world().beam().shone(reset_ + ps_per_ms, m.rig.board.now()))
+        << events_;
   }
 
   std::mt19937_64 random_;
@@ -147,7 +148,7 @@ class Events {
   std::unique_ptr<MotionJudge> judge_;
   std::size_t activity_ = 0;
   sim::Picoseconds reset_ = 0;
-  std::string told_;
+  std::string events_;
 };
 
 class PairsOfEvents : public testing::TestWithParam<Machine> {};

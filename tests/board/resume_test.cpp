@@ -301,7 +301,7 @@ class Story {
       EXPECT_EQ(begins_anew(kept), ended_) << "a new start is allowed only after a known end";
       rest = kept.find(bench_);
       ended_ = false;  // until the rest is done, a new start is refused
-      told_ = {};
+      continuation_ = {};
       for (std::size_t i = rest.first; i < rest.from; ++i) doubtful_.insert(i);
       if (known_exactly_) {
         EXPECT_LE(rest.from - rest.first, piece_.job.is_rows() ? 1u : 0u);
@@ -332,8 +332,9 @@ class Story {
 
   /// Records the lines or points that the advice left out and listed as doubtful.
   void note_doubt(const Continuation& rest) {
-    for (std::size_t i = told_.first; i < rest.from && told_.in_doubt(); ++i) doubtful_.insert(i);
-    told_ = {};
+    for (std::size_t i = continuation_.first; i < rest.from && continuation_.in_doubt(); ++i)
+      doubtful_.insert(i);
+    continuation_ = {};
   }
 
   void unlock() {
@@ -396,7 +397,7 @@ class Story {
       known_exactly_ = known_exactly_ && !restarted_;
       return options_;
     }
-    told_ = result.rest;
+    continuation_ = result.rest;
     ended_ = result.rest.settled;
     known_exactly_ = !restarted_ && (ended_ || result.end == JobEnd::lost);
     bench_.run(up_to(2 * ps_per_s));
@@ -482,7 +483,7 @@ class Story {
   Bench bench_;
   std::string log_;  ///< the events so far
   std::set<std::size_t> doubtful_;
-  Continuation told_;
+  Continuation continuation_;
   Options options_;  ///< of the current run
   std::uint32_t session_ = 0x5eed;
   bool over_ = false;

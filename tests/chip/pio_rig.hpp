@@ -192,14 +192,14 @@ class Rig : private PadListener {
     return result;
   }
 
-  std::vector<std::string> told;
+  std::vector<std::string> messages;
   TimeWheel wheel;
   IrqLines irqs;
   Timing timing;
-  Gpio gpio{wheel, irqs, [this](const std::string& what) { told.push_back(what); }};
-  Bus bus{wheel, timing, [this](const std::string& what) { told.push_back(what); }};
+  Gpio gpio{wheel, irqs, [this](const std::string& what) { messages.push_back(what); }};
+  Bus bus{wheel, timing, [this](const std::string& what) { messages.push_back(what); }};
   PioDmaClock fabric{wheel, bus,    gpio,
-                     irqs,  timing, [this](const std::string& what) { told.push_back(what); }};
+                     irqs,  timing, [this](const std::string& what) { messages.push_back(what); }};
   std::vector<Edge> edges;
 
  private:

@@ -466,9 +466,9 @@ TEST(PioRegisters, ResetValues) {
   EXPECT_EQ(rig.read_pio(execctrl), 0x0001'f000u);
   EXPECT_EQ(rig.read_pio(shiftctrl), 0x000c'0000u);
   EXPECT_EQ(rig.read_pio(pinctrl), 0x1400'0000u);
-  EXPECT_TRUE(rig.told.empty());
+  EXPECT_TRUE(rig.messages.empty());
   rig.read_pio(0x200);
-  EXPECT_EQ(rig.told.size(), 1u);
+  EXPECT_EQ(rig.messages.size(), 1u);
 }
 
 // In a loop in which the machine sleeps, and in instructions run ahead without visible effects.

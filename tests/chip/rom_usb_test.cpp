@@ -105,7 +105,7 @@ class RomUsb : public testing::Test {
     EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   }
   /// Checks the status of the last command; the next command must work.
-  void told(Status why) {
+  void check_status(Status why) {
     const CommandStatus found = status();
     EXPECT_EQ(found.code, why) << static_cast<int>(found.command);
     EXPECT_EQ(found.token, token_);
@@ -119,7 +119,7 @@ class RomUsb : public testing::Test {
     send(command, arguments, transfer, size);
     EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
-    told(why);
+    check_status(why);
   }
   /// Unreadable data halt only IN.
   void read_refused(std::uint32_t address, std::uint32_t size, Status why) {
@@ -127,7 +127,7 @@ class RomUsb : public testing::Test {
     host_.set_timeout(silence);
     EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, size).end, End::stalled);
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::timed_out);
-    told(why);
+    check_status(why);
   }
   /// Unwritable data halt only OUT, after 256 bytes: with the last 256 bytes all data are accepted,
   /// and the end is missing.
@@ -138,7 +138,7 @@ class RomUsb : public testing::Test {
     host_.set_timeout(silence);
     EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::timed_out);
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
-    told(why);
+    check_status(why);
   }
   /// A function of the flash, at sram + 0x2000, that fails with `result` at one offset.
   void fail_at(picoboot::Service service, std::uint32_t offset, std::uint8_t result) {

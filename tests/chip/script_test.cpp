@@ -189,7 +189,7 @@ struct Rig {
   std::string outcome(Picoseconds limit = 200 * ps_per_ms) {
     run_until(limit);
     if (!runner.done())
-      return "not done: line " + std::to_string(runner.standing(chip.time()).line);
+      return "not done: line " + std::to_string(runner.not_complete(chip.time()).line);
     if (!runner.failure()) return "";
     return std::to_string(runner.failure()->line) + ": " + runner.failure()->seen;
   }

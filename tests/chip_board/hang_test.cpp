@@ -70,7 +70,8 @@ class Loss : public BootedRig {
   Picoseconds restarted_after_ = 0;  ///< the longest of all calls of restart()
 
   /// The message about a job; `may_have_been`: its shot was handed to the hardware.
-  static std::string told(std::uint32_t session, std::size_t first_unfired, bool may_have_been) {
+  static std::string rest_message(std::uint32_t session, std::size_t first_unfired,
+                                  bool may_have_been) {
     return "job " + std::to_string(session) + " first point not fired " +
            std::to_string(first_unfired) + (may_have_been ? ", which may have been]" : "]");
   }
@@ -117,11 +118,11 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     // The hardware may fire a shot that it has after the processor has failed, and a fired shot may
     // be missing in the record.
     if (shots > shots_before)
-      EXPECT_THAT(rig().heard, HasSubstr(told(session, shots - 1, true)));
+      EXPECT_THAT(rig().heard, HasSubstr(rest_message(session, shots - 1, true)));
     else
-      EXPECT_THAT(rig().heard, AnyOf(HasSubstr(told(session, shots, false)),
-                                     HasSubstr(told(session, shots, true)),
-                                     HasSubstr(told(session, shots - 1, true))));
+      EXPECT_THAT(rig().heard, AnyOf(HasSubstr(rest_message(session, shots, false)),
+                                     HasSubstr(rest_message(session, shots, true)),
+                                     HasSubstr(rest_message(session, shots - 1, true))));
     EXPECT_THAT(rig().heard, HasSubstr("ALARM:3"));
     EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
     EXPECT_EQ(rig().board.world().drives().position(), steps_at_loss);
@@ -160,7 +161,7 @@ TEST_F(Loss, WithAShotInTheHardware) {
   running.sender.stop();
   ASSERT_NO_FATAL_FAILURE(restart());
   EXPECT_EQ(rig().shots().size(), shots + 1);
-  EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, true)));
+  EXPECT_THAT(rig().heard, HasSubstr(rest_message(1, shots, true)));
 }
 
 /// Only the watchdog waits for the second core; the e-stop does not.
@@ -230,7 +231,7 @@ TEST_F(Loss, InAHold) {
   running.sender.stop();
   ASSERT_NO_FATAL_FAILURE(restart());
   EXPECT_EQ(rig().shots().size(), shots);
-  EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, false)));
+  EXPECT_THAT(rig().heard, HasSubstr(rest_message(1, shots, false)));
 }
 
 /// The position is unknown after a failure during or after a program: the next command is refused.

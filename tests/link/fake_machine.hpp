@@ -65,10 +65,12 @@ class FakeMachine {
     return Result::ok;
   }
   std::uint32_t refused_value() const { return refused; }
-  wire::StatusSummary standing() const { return {state, reason, alarm, lamp_locked, queue.free()}; }
+  wire::StatusSummary status_summary() const {
+    return {state, reason, alarm, lamp_locked, queue.free()};
+  }
   void fill_status(wire::Status& status) const {
     ++statuses;
-    static_cast<wire::StatusSummary&>(status) = standing();
+    static_cast<wire::StatusSummary&>(status) = status_summary();
     status.received = queue.end();
     status.first_unfired = queue.begin();
     status.shots = shots;

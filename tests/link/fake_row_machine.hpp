@@ -74,14 +74,14 @@ class FakeRowMachine {
     return Result::ok;
   }
   std::uint32_t refused_value() const { return received_end(); }
-  wire::StatusSummary standing() const {
-    wire::StatusSummary standing{state, reason, 0, false, max_lines - waiting()};
-    standing.free_runs = table_places - used_;
-    standing.rows = true;
-    return standing;
+  wire::StatusSummary status_summary() const {
+    wire::StatusSummary summary{state, reason, 0, false, max_lines - waiting()};
+    summary.free_runs = table_places - used_;
+    summary.rows = true;
+    return summary;
   }
   void fill_status(wire::Status& status) const {
-    static_cast<wire::StatusSummary&>(status) = standing();
+    static_cast<wire::StatusSummary&>(status) = status_summary();
     status.received = received_end();
     status.first_unfired = header.first_index + done_;
   }

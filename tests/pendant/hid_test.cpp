@@ -101,7 +101,7 @@ class HangingDevice final : public HidDevice {
   std::size_t read(std::span<std::uint8_t> report, std::chrono::milliseconds) override {
     constexpr std::array<std::uint8_t, 6> x_axis{4, 0, 0, 0x11, 0, 0};
     std::copy(x_axis.begin(), x_axis.end(), report.begin());
-    return std::exchange(told_, true) ? 0 : x_axis.size();
+    return std::exchange(sent_, true) ? 0 : x_axis.size();
   }
   bool send_feature(std::span<const std::uint8_t>) override {
     ++display_->begun;
@@ -113,7 +113,7 @@ class HangingDevice final : public HidDevice {
 
  private:
   std::shared_ptr<Display> display_;
-  bool told_ = false;
+  bool sent_ = false;
 };
 
 TEST(PendantDisplay, a_hanging_display_blocks_no_caller) {

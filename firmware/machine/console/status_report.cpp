@@ -78,16 +78,16 @@ bool StatusReporter::offset_due(const ReportedStatus& status) {
 }
 
 bool StatusReporter::overrides_due(const ReportedStatus& status) {
-  const bool known =
-      told_ == status.overrides && told_flood_ == status.flood && told_mist_ == status.mist;
+  const bool known = reported_ == status.overrides && reported_flood_ == status.flood &&
+                     reported_mist_ == status.mist;
   if (overrides_in_ != 0 && known) {
     --overrides_in_;
     return false;
   }
   overrides_in_ = (status.busy ? overrides_busy : overrides_idle) - 1;
-  told_ = status.overrides;
-  told_flood_ = status.flood;
-  told_mist_ = status.mist;
+  reported_ = status.overrides;
+  reported_flood_ = status.flood;
+  reported_mist_ = status.mist;
   return true;
 }
 

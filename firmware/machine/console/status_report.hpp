@@ -72,8 +72,8 @@ class StatusReporter {
   bool overrides_due(const ReportedStatus& status);
 
   program::Place told_offset_e7_{};
-  Overrides told_;
-  bool told_flood_ = false, told_mist_ = false;
+  Overrides reported_;
+  bool reported_flood_ = false, reported_mist_ = false;
   std::uint8_t offset_in_ = 0;     ///< reports until the next one
   std::uint8_t overrides_in_ = 1;  ///< as above; not in the first report
 };

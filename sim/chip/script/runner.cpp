@@ -199,7 +199,7 @@ bool Runner::allows(FaultKind kind) const {
   });
 }
 
-Failure Runner::standing(Picoseconds now) const {
+Failure Runner::not_complete(Picoseconds now) const {
   const std::size_t step = !beside_.empty() && next_ >= script_.size() ? beside_.front().step
                            : next_ > 0                                 ? next_ - 1
                                                                        : 0;

@@ -38,7 +38,7 @@ class Runner final : private Timed {
   bool done() const { return done_; }
   const std::optional<Failure>& failure() const { return failure_; }
   /// The present step of a script that is not done, as a failure at the time `now`.
-  Failure standing(Picoseconds now) const;
+  Failure not_complete(Picoseconds now) const;
   /// The script allows faults of this kind.
   bool allows(FaultKind kind) const;
 

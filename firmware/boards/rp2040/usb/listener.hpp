@@ -82,7 +82,7 @@ class Listener {
   /// A new connection begins. `now_us` may wrap.
   void reset(std::uint32_t now_us) {
     heard_ = Function::serial;
-    spoken_ = false;
+    has_received_ = false;
     in_the_middle_ = {};
     since_us_ = now_us;
   }
@@ -95,13 +95,13 @@ class Listener {
 
   /// A packet was received, not an empty one. `tied`: a job is unfinished.
   Verdict packet(Function from, Tail tail, std::uint32_t now_us, bool tied) {
-    const bool begins = from != heard_ || !spoken_;
+    const bool begins = from != heard_ || !has_received_;
     const bool broken = in_the_middle_[index(from)];
     if (tail != Tail::none) in_the_middle_[index(from)] = tail == Tail::open;
     if (begins && !may_begin(from, now_us - since_us_, tied)) return Verdict::drop;
     const bool other_was_heard = from != heard_;
     heard_ = from;
-    spoken_ = true;
+    has_received_ = true;
     since_us_ = now_us;
     if (!tied) job_of_ = from;
     if (begins && broken) return Verdict::take_over_broken;
@@ -111,12 +111,12 @@ class Listener {
  private:
   bool may_begin(Function from, std::uint32_t silent_us, bool tied) const {
     if (tied) return from == job_of_ || silent_us >= job_lease_us;
-    return from == Function::stream || !spoken_ || silent_us >= idle_lease_us;
+    return from == Function::stream || !has_received_ || silent_us >= idle_lease_us;
   }
 
   Function heard_ = Function::serial;
   Function job_of_ = Function::serial;  ///< function that began the job, if there is one
-  bool spoken_ = false;
+  bool has_received_ = false;
   std::array<bool, function_count> in_the_middle_{};  ///< of a line or frame, heard or not
   std::uint32_t since_us_ = 0;  ///< last packet of the heard function, or start of the connection
 };
