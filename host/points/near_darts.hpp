@@ -5,7 +5,7 @@
 // errs (Doubt).
 //
 // A processor with SSE2 (every x86-64) compares four darts at once; elsewhere a loop compares one
-// after the other, with the same result.
+// after the other.
 #pragma once
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/limits.hpp"
@@ -62,6 +63,15 @@ class RayGrid {
     cell_ = std::int64_t{1} << shift_;
   }
 
+  /// Area of a triangle in cells of the grid: about as many rays hit it.
+  double cells_of(const geometry::Point& a, const geometry::Point& b,
+                  const geometry::Point& c) const {
+    const LatticePoint p = lattice(a), q = lattice(b), r = lattice(c);
+    const auto twice = static_cast<double>(std::abs(edge_side(p, q, r.u, r.v)));
+    return twice / 2 / static_cast<double>(cell_) / static_cast<double>(cell_);
+  }
+
+  /// Adds the places where rays hit a triangle.
   void add(const geometry::Point& a, const geometry::Point& b, const geometry::Point& c,
            geometry::PointCloud& cloud) const {
     std::array<LatticePoint, 3> t{lattice(a), lattice(b), lattice(c)};
@@ -139,10 +149,16 @@ geometry::PointCloud rays(const model::Mesh& mesh, const RayOptions& options) {
   geometry::PointCloud cloud;
   if (mesh.triangles.empty()) return cloud;
   const RayGrid grid(mesh, options);
-  for (const auto& triangle : mesh.triangles) {
-    grid.add(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]],
-             cloud);
-  }
+  const auto for_each_triangle = [&](const auto& work) {
+    for (const auto& [a, b, c] : mesh.triangles)
+      work(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+  };
+  // Far too many are refused before millions are computed; add() counts those near the limit.
+  constexpr double surely = 0.9;
+  double cells = 0;
+  for_each_triangle([&](const auto&... corners) { cells += grid.cells_of(corners...); });
+  geometry::require_count(surely * cells, "rays");
+  for_each_triangle([&](const auto&... corners) { grid.add(corners..., cloud); });
   return cloud;
 }
 

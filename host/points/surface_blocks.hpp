@@ -36,7 +36,8 @@ struct BlockGrid {
   geometry::Bounds box(const BlockIndex& block) const;
 };
 
-/// A grid over `box`. Throws Error (bad_input) if there would be more than 2^20 blocks in a row.
+/// A grid over `box`. Throws Error (bad_input) if there would be more than 2^20 blocks in a row, or
+/// the box reaches further from the origin than 10^7 sides.
 BlockGrid grid_over(const geometry::Bounds& box, double side_mm, const std::string& where);
 
 struct SurfaceBlocks {
