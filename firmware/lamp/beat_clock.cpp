@@ -14,9 +14,12 @@ constexpr int rest_slew_bits = 2;
 /// The lattice has settled when it is within this and half a jitter of the lamp.
 constexpr std::int64_t settled_q16 = std::int64_t{clocks_per_us} << 16;
 
-/// Clocks of a run of ticks, Q16; limited so that a quarter more still fits 32 bits: a tick is
-/// shorter than 160 clocks. Two products of 32 bits.
-constexpr std::uint32_t max_run_ticks = 256;
+/// Longest run of ticks: for a lamp that is 10 % slow ($905), stretched by a quarter at rest, its
+/// clocks still fit 16 bits.
+constexpr std::uint32_t max_run_ticks = clocks_per_tick * 256 * 11 / 8 < 65'536 ? 256 : 128;
+static_assert(clocks_per_tick * max_run_ticks * 11 / 8 < 65'536);
+
+/// Clocks of a run of ticks, Q16. Two products of 32 bits.
 inline std::uint32_t run_q16(std::int64_t tick_q32, std::uint32_t ticks) {
   const auto tick_q16 = static_cast<std::uint32_t>(tick_q32 >> 16);
   const std::uint32_t rest = static_cast<std::uint32_t>(tick_q32) & 0xffff;
