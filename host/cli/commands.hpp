@@ -20,8 +20,6 @@ void add_raster(Command& program);
 void add_cut(Command& program);
 void add_material(Command& program);
 void add_send(Command& program);
-void add_serve(Command& program);
-void add_watch(Command& program);
 void add_settings(Command& program);
 void add_devices(Command& program);
 void add_flash(Command& program);

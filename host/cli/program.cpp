@@ -36,8 +36,6 @@ std::unique_ptr<Command> make_own_commands() {
   add_cut(*program);
   add_material(*program);
   add_send(*program);
-  add_serve(*program);
-  add_watch(*program);
   add_settings(*program);
   add_devices(*program);
   add_flash(*program);
@@ -67,10 +65,21 @@ void make_separate(Command& command, const std::string& name) {
 
 std::unique_ptr<Command> make_program() {
   auto program = make_own_commands();
+  make_separate(add_serve_command(*program), "lamplock-serve");
+  make_separate(add_watch_command(*program), "lamplock-serve");
   make_separate(add_chip_command(*program), "lamplock-chip");
   make_separate(add_bench_command(*program), "lamplock-bench");
   add_help(*program);
   return program;
+}
+
+Command& add_serve_command(Command& program) {
+  return program.add_command(
+      "serve", "Operate a machine from a page in the browser, and from programs by JSON-RPC");
+}
+
+Command& add_watch_command(Command& program) {
+  return program.add_command("watch", "Show the state and progress of a machine that serve holds");
 }
 
 Command& add_chip_command(Command& program) {

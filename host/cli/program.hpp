@@ -21,6 +21,8 @@ std::unique_ptr<Command> make_own_commands();
 std::unique_ptr<Command> make_program();
 
 /// Adds commands that are programs of their own without their options.
+Command& add_serve_command(Command& program);
+Command& add_watch_command(Command& program);
 Command& add_chip_command(Command& program);
 Command& add_bench_command(Command& program);
 

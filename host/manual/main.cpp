@@ -14,6 +14,7 @@
 #include "host/file.hpp"
 #include "host/manual/completion.hpp"
 #include "host/manual/man_page.hpp"
+#include "host/serve_tool/commands.hpp"
 #include "host/version.hpp"
 
 int main(int argc, char** argv) {
@@ -24,6 +25,8 @@ int main(int argc, char** argv) {
   try {
     const std::filesystem::path folder = argv[1];
     const auto program = lamplock::cli::make_own_commands();
+    lamplock::serve_tool::add_serve(*program);
+    lamplock::serve_tool::add_watch(*program);
     lamplock::chip_tool::add_chip(*program);
     lamplock::bench::add_bench(*program);
     lamplock::cli::add_help(*program);

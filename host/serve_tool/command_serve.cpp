@@ -8,16 +8,23 @@
 
 #include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
-#include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/program.hpp"
 #include "host/cli/quiet_terminal.hpp"
 #include "host/cli/validators.hpp"
 #include "host/serve/page_texts.hpp"
 #include "host/serve/serve.hpp"
+#include "host/serve_tool/commands.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::serve_tool {
 namespace {
+
+using cli::Command;
+using cli::Console;
+using cli::FileUse;
+using cli::number_in;
+using cli::QuietTerminal;
 
 /// The first line of stdin, which a terminal does not show.
 std::string typed_password() {
@@ -106,8 +113,7 @@ void add_contents(Command& app, serve::ServeOptions& options, std::string& texts
 }  // namespace
 
 void add_serve(Command& program) {
-  Command& app = program.add_command(
-      "serve", "Operate a machine from a page in the browser, and from programs by JSON-RPC");
+  Command& app = cli::add_serve_command(program);
   app.footer(
       "Prints the address of the page with a token; programs of this computer that know the token\n"
       "can use the machine (docs/page.md, docs/api.md). Other computers need --listen or --proxy "
@@ -132,8 +138,8 @@ void add_serve(Command& program) {
   app.add_option("--pair", &options->pairs,
                  "Print a code; a page in which it is entered may fire on a real board")
       .common();
-  add_board_choice(app, options->board);
-  add_machine(app, options->machine);
+  cli::add_board_choice(app, options->board);
+  cli::add_machine(app, options->machine);
   app.action([options, password_file, texts_file] {
     if (!password_file->empty()) return set_password(*password_file);
     if (!texts_file->empty()) return write_texts(*texts_file);
@@ -142,4 +148,4 @@ void add_serve(Command& program) {
   });
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::serve_tool

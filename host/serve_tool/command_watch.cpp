@@ -8,13 +8,18 @@
 #include <string>
 
 #include "host/cli/command_line.hpp"
-#include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/program.hpp"
 #include "host/cli/validators.hpp"
 #include "host/serve/watch.hpp"
+#include "host/serve_tool/commands.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::serve_tool {
 namespace {
+
+using cli::Command;
+using cli::Console;
+using cli::number_in;
 
 constexpr const char* page_variable = "LAMPLOCK_PAGE";
 
@@ -50,8 +55,7 @@ Exit run_watch(const WatchChoice& choice) {
 }  // namespace
 
 void add_watch(Command& program) {
-  Command& app =
-      program.add_command("watch", "Show the state and progress of a machine that serve holds");
+  Command& app = cli::add_watch_command(program);
   app.footer(
       "Prints a line when state, position or progress of the machine change, and new lines of its\n"
       "console. It never takes control. Ctrl-C ends it; the machine is not touched. Other users "
@@ -75,4 +79,4 @@ void add_watch(Command& program) {
   app.action([choice] { return run_watch(*choice); });
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::serve_tool

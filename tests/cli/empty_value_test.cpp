@@ -6,6 +6,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/parser.hpp"
 #include "host/cli/program.hpp"
+#include "host/serve_tool/commands.hpp"
 #include "tests/cli/program.hpp"
 
 namespace lamplock::cli::test::empty_values {
@@ -19,10 +20,17 @@ bool is_text(const Option& option) {
          std::holds_alternative<std::vector<std::string>*>(option.target());
 }
 
+std::unique_ptr<Command> make_commands() {
+  auto program = make_own_commands();
+  serve_tool::add_serve(*program);
+  serve_tool::add_watch(*program);
+  return program;
+}
+
 /// The message of the refusal; empty if the arguments are accepted. All use one program, as making
 /// it takes longer than a refusal.
 std::string refusal_of(const std::vector<std::string>& arguments) {
-  static const std::unique_ptr<Command> program = make_own_commands();
+  static const std::unique_ptr<Command> program = make_commands();
   try {
     run(*program, arguments);
   } catch (const Error& error) {
@@ -62,7 +70,7 @@ std::size_t check_options(const Command& command, const std::vector<std::string>
 
 TEST(EmptyValue, OfEveryTextOptionIsRefused) {
   constexpr std::size_t min_options = 200;
-  EXPECT_GT(check_options(*make_own_commands(), {}), min_options);
+  EXPECT_GT(check_options(*make_commands(), {}), min_options);
 }
 
 /// Every flag of a command and of its inner commands with a value. Returns how many were tried.
@@ -87,7 +95,7 @@ std::size_t check_flags(const Command& command, const std::vector<std::string>& 
 
 TEST(EmptyValue, AFlagTakesNone) {
   constexpr std::size_t min_flags = 50;
-  EXPECT_GT(check_flags(*make_own_commands(), {}), min_flags);
+  EXPECT_GT(check_flags(*make_commands(), {}), min_flags);
   EXPECT_THAT(refusal_of({"--version=3"}), HasSubstr("--version: takes no value"));
 }
 

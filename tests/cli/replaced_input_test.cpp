@@ -8,6 +8,7 @@
 
 #include "host/cli/file_options.hpp"
 #include "host/cli/program.hpp"
+#include "host/serve_tool/commands.hpp"
 #include "host/error.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
@@ -72,6 +73,7 @@ class Replaced : public testing::Test {
 
 TEST_F(Replaced, EveryFileOfEveryCommandIsKnownAsInputOrOutput) {
   const auto program = make_own_commands();
+  serve_tool::add_serve(*program);
   int files = 0;
   for (Command* command : all_commands(*program))
     for (const Option& option : command->options()) {
@@ -85,6 +87,7 @@ TEST_F(Replaced, EveryFileOfEveryCommandIsKnownAsInputOrOutput) {
 
 TEST_F(Replaced, EveryOutputOfEveryCommandSparesEveryInput) {
   const auto program = make_own_commands();
+  serve_tool::add_serve(*program);
   int pairs = 0;
   for (Command* command : all_commands(*program))
     for (Option* output : options_of(*command, FileUse::write))
@@ -106,6 +109,7 @@ TEST_F(Replaced, EveryOutputOfEveryCommandSparesEveryInput) {
 
 TEST_F(Replaced, TwoOutputsAreTwoFiles) {
   const auto program = make_own_commands();
+  serve_tool::add_serve(*program);
   for (Command* command : all_commands(*program)) {
     const std::vector<Option*> outputs = options_of(*command, FileUse::write);
     for (std::size_t i = 0; i < outputs.size(); ++i)

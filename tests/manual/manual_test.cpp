@@ -16,6 +16,7 @@
 #include "host/manual/commands.hpp"
 #include "host/manual/completion.hpp"
 #include "host/manual/man_page.hpp"
+#include "host/serve_tool/commands.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace lamplock::manual {
@@ -29,6 +30,8 @@ using testing::Not;
 /// The command line of the program, including the commands that are programs of their own.
 struct RealProgram {
   RealProgram() {
+    serve_tool::add_serve(*app);
+    serve_tool::add_watch(*app);
     chip_tool::add_chip(*app);
     bench::add_bench(*app);
     cli::add_help(*app);
