@@ -8,8 +8,8 @@
 
 #include "host/cli/file_options.hpp"
 #include "host/cli/program.hpp"
-#include "host/serve_tool/commands.hpp"
 #include "host/error.hpp"
+#include "host/serve_tool/commands.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
 
