@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "host/geometry/parallel.hpp"
-#include "host/geometry/vector.hpp"
 
 namespace lamplock::points {
 namespace {

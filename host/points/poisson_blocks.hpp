@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/geometry/point.hpp"
+#include "host/geometry/vector.hpp"
 #include "host/points/near_darts.hpp"
 #include "host/points/surface_blocks.hpp"
 
