@@ -182,8 +182,8 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
     if (!p.shot || p.issued) continue;
     if (p.last_beat > clock.next_beat() + 1) return false;  // as below, faster
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
-    // A token that outlived its arm window could fire in that of the next shot, as the delay may
-    // take most of a beat. Too late: the beat passes, edge() reports the miss.
+    // The delay may take most of a beat: a token that is kept after its arm window could fire in
+    // the window of the next shot. Too late: the beat passes, edge() reports the miss.
     const std::uint64_t window_end =
         tick - clock.delay_ticks() + max_decision_ticks + p.half_window_ticks;
     if (window_end <= present_tick) return false;

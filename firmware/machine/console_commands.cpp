@@ -175,7 +175,7 @@ GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
   if (refused == Id::count) return refuse_for_drives(values);
   const std::uint16_t number = settings::number(refused);
   if (refused == Id::lamp_frequency) {
-    // By the clock of its processor.
+    // The clock of the processor limits it.
     TextLine reason;
     reason.add(" at most ").add(std::int64_t{board_.limits.max_lamp_milli_hz / 1000});
     return refuse_number(number, reason.add(" Hz on a board ").view());

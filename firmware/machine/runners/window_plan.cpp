@@ -109,7 +109,7 @@ const motion::Limits* WindowPlan::attempt_limits(const settings::Values& values,
   return make_limits(values, own, pace, new_limits_) ? &new_limits_ : nullptr;
 }
 
-/// A brake has the ticks of the plan that it ends, and the limits of the fastest job speed so far.
+/// Makes the limits of a brake: for the ticks of the plan, at the fastest job speed so far.
 void WindowPlan::set_brake_limits(const settings::Values& values, const settings::Values& own,
                                   std::uint32_t tick_q16) {
   const Pace pace{tick_q16, fastest_};
