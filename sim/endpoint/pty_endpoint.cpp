@@ -1,15 +1,13 @@
 #include "sim/endpoint/pty_endpoint.hpp"
 
 #include <fcntl.h>
-#include <sys/inotify.h>
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
 #include <cstdlib>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -48,12 +46,11 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
       ::ptsname_r(descriptor_, name.data(), name.size()) != 0)
     fail("pseudo-terminal");
   name_ = name.data();
-  // With the host's side open in this process, the terminal survives the host's closing it.
-  keep_open_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (keep_open_ < 0) fail(name_);
-  make_raw(keep_open_);
-  watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-  if (watch_ < 0 || ::inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail(name_);
+  // The modes belong to the terminal, which lasts as long as this end is open.
+  const int host_end = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (host_end < 0) fail(name_);
+  make_raw(host_end);
+  ::close(host_end);
   if (!link.empty()) {
     make_link(name_, link);
     link_ = std::move(link);
@@ -63,8 +60,6 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
 PtyEndpoint::~PtyEndpoint() {
   std::error_code ignored;
   if (!link_.empty()) std::filesystem::remove(link_, ignored);
-  ::close(watch_);
-  ::close(keep_open_);
   ::close(descriptor_);
 }
 
@@ -81,18 +76,9 @@ std::size_t PtyEndpoint::write(std::span<const std::uint8_t> bytes) {
 }
 
 bool PtyEndpoint::host_present() {
-  std::array<char, 4096> events;
-  for (;;) {
-    const ssize_t size = ::read(watch_, events.data(), events.size());
-    if (size <= 0) return open_count_ > 0;
-    inotify_event event{};
-    for (std::size_t at = 0; at + sizeof event <= static_cast<std::size_t>(size);
-         at += sizeof event + event.len) {
-      std::memcpy(&event, events.data() + at, sizeof event);
-      if ((event.mask & IN_OPEN) != 0) ++open_count_;
-      if ((event.mask & IN_CLOSE) != 0) open_count_ = std::max(0, open_count_ - 1);
-    }
-  }
+  // The kernel reports a hang-up (POLLHUP) as long as no process has the host's end open.
+  pollfd state{descriptor_, 0, 0};
+  return ::poll(&state, 1, 0) >= 0 && (state.revents & POLLHUP) == 0;
 }
 
 }  // namespace lamplock::sim

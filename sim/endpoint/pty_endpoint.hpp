@@ -25,9 +25,6 @@ class PtyEndpoint : public ByteEndpoint {
 
  private:
   int descriptor_ = -1;
-  int keep_open_ = -1;  ///< keeps the host's side open
-  int watch_ = -1;      ///< reports when others open and close that side
-  int open_count_ = 0;  ///< how many have it open
   std::string name_;
   std::filesystem::path link_;
 };

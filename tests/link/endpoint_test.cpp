@@ -12,6 +12,7 @@
 #include <fstream>
 #include <memory>
 #include <numeric>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -25,6 +26,7 @@
 #include "sim/endpoint/tcp_endpoint.hpp"
 #include "tests/link/fake_machine.hpp"
 #include "tests/link/random_job.hpp"
+#include "tests/scale.hpp"
 
 namespace lamplock {
 namespace {
@@ -100,6 +102,31 @@ TEST(PtyEndpoint, KnowsWhetherAHostHasItOpen) {
   EXPECT_FALSE(endpoint.host_present());
   const SerialTransport again(endpoint.address());
   EXPECT_TRUE(endpoint.host_present());
+}
+
+/// Programs open and close it in any order, some of them between two looks of the simulator.
+TEST(PtyEndpoint, KnowsWhetherAnyOfManyHostsHasItOpen) {
+  PtyEndpoint endpoint;
+  std::mt19937 random(5);
+  std::vector<int> hosts;
+  const auto below = [&](std::size_t end) {
+    return std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
+  };
+  for (int i = 0; i < test::scaled(2000); ++i) {
+    constexpr std::size_t max_hosts = 3;
+    if (below(max_hosts) >= hosts.size()) {
+      hosts.push_back(::open(endpoint.address().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+      ASSERT_GE(hosts.back(), 0);
+    } else {
+      const auto host = hosts.begin() + static_cast<std::ptrdiff_t>(below(hosts.size()));
+      ::close(*host);
+      hosts.erase(host);
+    }
+    if (below(2) == 0) continue;
+    ASSERT_EQ(endpoint.host_present(), !hosts.empty()) << "after " << i << " changes";
+  }
+  for (const int host : hosts) ::close(host);
+  EXPECT_FALSE(endpoint.host_present());
 }
 
 TEST(TcpEndpoint, KnowsWhetherAHostIsConnected) {
