@@ -76,8 +76,8 @@ void add_drives(Command& app, run::SimulatedDrives& drives) {
 
 void add_spot(Command& app, run::SimulatedSpot& spot) {
   app.add_option("--spot", &spot.numbers,
-                 "SENSOR sees a spot that full power heats by K in the end, with a time constant; "
-                 "the sensor has its rise per volt and its volts in the cold")
+                 "Simulate a spot at SENSOR: full power heats it by K in the end, with the time "
+                 "constant S; the sensor sees K_V more for each volt and has V volts when cold")
       .check(number_in({-1e6, 1e6, true}))
       .count({run::SimulatedSpot::count, run::SimulatedSpot::count})
       .value_name("K,S,K_V,V")
@@ -104,7 +104,8 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
       .value_name("serial|stream")
       .show_default()
       .group(board_group);
-  app.add_option("--baud", &options.baud, "Baud rate of a serial port; no effect on USB")
+  app.add_option("--baud", &options.baud,
+                 "Baud rate of a serial port; a board with USB of its own ignores it")
       .check(number_in({1u, max_baud}))
       .value_name("BAUD")
       .show_default()

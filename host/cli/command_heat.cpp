@@ -228,10 +228,10 @@ void add_tasks(Command& app, HeatCommand& options) {
   app.add_option("--tune", &options.tunes, "Print Kp and Ki of the loop that holds the temperature")
       .group(tune)
       .common();
-  add_number(app, "--settling", &options.goal.settling_s, "Wanted settling time", "S", tune, true,
-             time_range);
-  add_number(app, "--overshoot", &options.overshoot_percent, "Wanted overshoot", "PERCENT", tune,
-             true, percent_range);
+  add_number(app, "--settling", &options.goal.settling_s, "Settling time that the loop is to have",
+             "S", tune, true, time_range);
+  add_number(app, "--overshoot", &options.overshoot_percent, "Overshoot that the loop may have",
+             "PERCENT", tune, true, percent_range);
   add_number(app, "--band", &options.band_percent, "Settled within this part of the step",
              "PERCENT", tune, true, percent_range);
   add_number(app, "--gain", &options.gain_k,

@@ -25,8 +25,8 @@ void check_place(const Part& part, const std::string& where) {
   if (part.address < flash_base || part.address >= limit ||
       part.bytes.size() > limit - part.address)
     refuse(where,
-           fmt::format("{} bytes for 0x{:08x} are not inside 0x{:08x} to 0x{:08x}, the area for "
-                       "images before the settings",
+           fmt::format("{} bytes at address 0x{:08x} are not inside 0x{:08x} to 0x{:08x}, the "
+                       "flash for firmware, which ends before the settings",
                        part.bytes.size(), part.address, flash_base, limit - 1),
            "build the image of lamplock again");
 }

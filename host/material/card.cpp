@@ -190,9 +190,12 @@ CardLayout lay_out_card(const CardRequest& request) {
   const std::size_t cuts =
       request.feeds_mm_min.size() * request.powers_w.size() * request.passes.size();
   if (request.kind == CardKind::kerf && cuts != 1)
-    throw Error(Exit::bad_input, card_place_name,
-                fmt::format("a comb has one feed, power and number of passes, not {}", cuts),
-                "give one of each");
+    throw Error(
+        Exit::bad_input, card_place_name,
+        fmt::format(
+            "a comb has one feed, one power and one number of passes; {} combinations are given",
+            cuts),
+        "give one of each");
   if (cuts > max_card_cuts)
     throw Error(Exit::bad_input, card_place_name,
                 fmt::format("it would have {} cuts, more than {}", cuts, max_card_cuts),

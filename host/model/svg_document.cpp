@@ -57,8 +57,9 @@ SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) :
   number_ids(root_, 0);
   const StyleOutcome outcome = apply_styles(root_);
   if (outcome.too_complex)
-    position_of(root_).refuse("the style sheet has too many rules for so many elements",
-                              "export the drawing without a style sheet");
+    position_of(root_).refuse(
+        "the style sheet has too many rules for a drawing with so many elements",
+        "export the drawing without a style sheet");
   left_out_["rule of a style sheet"] = outcome.unread_rules;
   std::erase_if(left_out_, [](const auto& one) { return one.second == 0; });
 }

@@ -75,7 +75,8 @@ geometry::Affine centring_and_scaling(const Bounds& box, double max_side_mm) {
   if (!std::isnormal(side) || !std::isnormal(scale))
     throw Error(
         Exit::bad_input, "model",
-        fmt::format("its longest side of {:.3g} cannot be scaled to {} mm", side, max_side_mm),
+        fmt::format("its longest side, {:.3g}, is too small or too large to be scaled to {} mm",
+                    side, max_side_mm),
         "export it with coordinates in mm");
   const Point centre = box.centre();
   return geometry::scaled(scale, scale, scale) * geometry::moved(-centre.x, -centre.y, -centre.z);

@@ -132,7 +132,7 @@ std::string ZipArchive::unpacked(const std::string& name) const {
   // memory as the data of some ask for.
   if (part->method != ZIP_CM_STORE && part->method != ZIP_CM_DEFLATE)
     refuse(file_,
-           fmt::format("part '{}' is compressed with {}, which a 3MF cannot be", name,
+           fmt::format("part '{}' is compressed with {}; a 3MF may use only Deflate", name,
                        method_name(part->method)),
            "export the model again, or pack the archive again with Deflate");
   std::string bytes(part->bytes, '\0');

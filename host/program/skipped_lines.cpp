@@ -211,7 +211,7 @@ void SkippedLines::require_modes(std::size_t first) const {
   if (modal.beat_lock != program::BeatLock::off)
     refuse(first, "is within points on the beat", "begin at or before its M130, or after its M131");
   if (interpreter_.saved().valid)
-    refuse(first, "may restore modes that a line before has saved",
+    refuse(first, "may restore modes that a skipped line saved",
            "begin at or before its M70 or M73, or after an M71");
 }
 

@@ -122,7 +122,7 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   refuse_unless(is_laser || is_mill || choice.tabs == 0, "tabs");
   if (is_mill && choice.tabs > 0 && choice.kerf_mm.value_or(0) == 0)
     throw Error(Exit::bad_input, name,
-                "the mill lifts the tool over a tab and its own diameter, which is not known",
+                "tabs of a mill need the diameter of the tool, which is not known",
                 "give the diameter as kerf in mm");
   refuse_unless(machine != MachineType::lathe || choice.overcut_mm == 0, "overcut");
   refuse_unless(machine != MachineType::knife || choice.kerf_mm.value_or(0) == 0, "kerf");

@@ -144,7 +144,7 @@ std::vector<Parameter> lead_parameters(const LeadChoice& lead) {
       {lead.key + "_angle",
        lead.option + "-angle",
        &lead.angle_deg,
-       "Angle of the line to the contour, below 180, or angle that the arc turns",
+       "Angle between the line and the contour, below 180, or angle that the arc turns",
        "DEG",
        {0, 270, false}},
   };

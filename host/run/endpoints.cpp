@@ -44,7 +44,8 @@ std::unique_ptr<sim::TcpEndpoint> open_tcp(const std::string& option, const std:
   try {
     return std::make_unique<sim::TcpEndpoint>(address);
   } catch (const std::invalid_argument&) {
-    throw Error(Exit::bad_input, option, "this computer does not know the host or the port",
+    throw Error(Exit::bad_input, option,
+                "this computer cannot resolve the name of the host or the port",
                 "check the name; 127.0.0.1:4000 is a port for this computer alone");
   } catch (const std::system_error& error) {
     refuse_port(option, error.code(), remedy_for_address(error.code()));

@@ -137,7 +137,7 @@ PlacedModel placed_mesh(model::Mesh mesh, const Object& object, const Volume& vo
   result.warnings = mesh.reader_warnings;
   for (const std::string& picture : mesh.unread_pictures)
     result.warnings.push_back(
-        fmt::format("the picture {} is not read: its surface is white", picture));
+        fmt::format("the picture {} cannot be read: the surface that it covers is white", picture));
   for (std::string& warning : model::warnings(model::find_faults(mesh)))
     result.warnings.push_back(std::move(warning));
   // The reader has turned a GLB, whose y axis always points up.

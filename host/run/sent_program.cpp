@@ -104,7 +104,7 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
   if (program_run::has_flow(program.text.source)) {
     if (options.from != 0)
       throw Error(Exit::bad_input, program.text.file,
-                  "--from does not begin within a program with O-words, M98 or values of user "
+                  "--from cannot begin inside a program with O-words, M98 or values of user "
                   "commands",
                   "send the whole program");
     program.text.lines = program_run::run_flow(std::move(program.text.lines), program.text.file,

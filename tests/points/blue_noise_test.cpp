@@ -341,6 +341,10 @@ TEST(BlueNoise, WrongInputIsRefused) {
   mesh = test::box(1e300, 1e300, 1e300);
   EXPECT_NE(error_of([&] { blue_noise(mesh, {}); }), "");
   mesh = test::box(1, 1, 1);
+  for (auto& vertex : mesh.vertices) vertex.y -= 1e8;
+  EXPECT_THAT(error_of([&] { blue_noise(mesh, {.distance_mm = 0.5}); }),
+              HasSubstr("1e+08 mm from the origin is too far away"));
+  mesh = test::box(1, 1, 1);
   mesh.triangles.push_back({0, 1, 8});
   EXPECT_THAT(error_of([&] { blue_noise(mesh, {}); }), HasSubstr("vertex 8, but the model has 8"));
   // A needle of ten metres has hardly any area.

@@ -223,6 +223,20 @@ TEST(FillSolid, DensityDecreasesWithTheVolumeAbove) {
   EXPECT_NEAR(bodies[1] / bodies[0], std::exp(-2.0 / 3), 0.06);
 }
 
+/// With light of less than an eighth, the distance is so large that no cell is divided.
+TEST(FillSolid, EveryDarkPlaceIsNearAPoint) {
+  const points::SolidOptions options{.distance_mm = 0.4, .light_depth_mm = 1, .min_density = 0.06};
+  constexpr double half_mm = 5;
+  const PointCloud cloud = fill_solid(test::box(half_mm, half_mm, half_mm), options);
+  const double distance = options.distance_mm / std::cbrt(options.min_density);
+  std::mt19937_64 random(4);
+  for (auto place :
+       test::random_cloud(random, static_cast<std::size_t>(test::scaled(2000)), half_mm)) {
+    place.z = (place.z - half_mm) / 2;  // in the lower half
+    EXPECT_LT(test::nearest_distance(place, cloud), 1.1 * distance);
+  }
+}
+
 TEST(FillSolid, TheSameForAnyNumberOfThreads) {
   const Mesh mesh = test::torus(6, 2, 30, 20);
   const PointCloud one = fill_solid(mesh, {.distance_mm = 0.4, .seed = 3, .threads = 1});
@@ -244,6 +258,9 @@ TEST(FillSolid, OpenAndWrongInputIsRefused) {
         points::SolidOptions{.min_density = 0}, points::SolidOptions{.min_density = 2}}) {
     EXPECT_NE(error_of([&] { fill_solid(mesh, options); }), "");
   }
+  for (auto& vertex : mesh.vertices) vertex.z += 1e8;
+  EXPECT_THAT(error_of([&] { fill_solid(mesh, {.distance_mm = 0.5}); }),
+              HasSubstr("1e+08 mm from the origin is too far away"));
   mesh.vertices[0].x = std::numeric_limits<double>::infinity();
   EXPECT_THAT(error_of([&] { fill_solid(mesh, {}); }), HasSubstr("vertex 0"));
   EXPECT_TRUE(fill_solid({}, {}).empty());

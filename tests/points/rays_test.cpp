@@ -111,6 +111,8 @@ TEST(Rays, WrongOptionsAreRefused) {
   EXPECT_NE(error_of([] { rays(test::box(5, 5, 5), {.pitch_mm = 0}); }), "");
   EXPECT_NE(error_of([] { rays(test::box(5, 5, 5), {.pitch_mm = 1e-3}); }), "");
   EXPECT_NE(error_of([] { rays(test::box(5, 5, 5), {.pitch_mm = 1e-9}); }), "");
+  // Refused before the hits are computed, which would take minutes.
+  EXPECT_NE(error_of([] { rays(test::sphere(5, 99, 200), {.pitch_mm = 1e-4}); }), "");
   EXPECT_TRUE(rays({}, {}).empty());
 }
 
