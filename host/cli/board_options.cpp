@@ -75,9 +75,10 @@ void add_drives(Command& app, run::SimulatedDrives& drives) {
 }
 
 void add_spot(Command& app, run::SimulatedSpot& spot) {
-  app.add_option("--spot", &spot.numbers,
-                 "Simulate a spot at SENSOR: full power heats it by K in the end, with the time "
-                 "constant S; the sensor sees K_V more for each volt and has V volts when cold")
+  app.add_option(
+         "--spot", &spot.numbers,
+         "Simulate a spot that SENSOR measures: full power heats it by K in the end, with the "
+         "time constant S; the sensor has V volts when cold and one more for each K_V")
       .check(number_in({-1e6, 1e6, true}))
       .count({run::SimulatedSpot::count, run::SimulatedSpot::count})
       .value_name("K,S,K_V,V")

@@ -78,7 +78,7 @@ std::size_t PtyEndpoint::write(std::span<const std::uint8_t> bytes) {
 bool PtyEndpoint::host_present() {
   // The kernel reports a hang-up (POLLHUP) as long as no process has the host's end open.
   pollfd state{descriptor_, 0, 0};
-  return ::poll(&state, 1, 0) >= 0 && (state.revents & POLLHUP) == 0;
+  return ::poll(&state, 1, 0) <= 0 || (state.revents & POLLHUP) == 0;
 }
 
 }  // namespace lamplock::sim
