@@ -55,7 +55,7 @@ endfunction()
 # them for a long time before the others. The linker takes inline functions from the first object that
 # has them, and most objects have them at level 0.
 function(rooms_first program)
-  if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  if(NOT LAMPLOCK_SANITIZED)
     return()
   endif()
   foreach(room ${ARGN})

@@ -12,6 +12,7 @@
 
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/program_start.hpp"
 #include "tests/cli/shots.hpp"
 
 namespace lamplock::cli::test::lost_remarks {
@@ -80,19 +81,14 @@ TEST(LostRemarks, ThatAreNotReadDoNotDelayAJob) {
   while (::write(pipe[1], page.data(), page.size()) > 0) continue;
   ::fcntl(pipe[1], F_SETFL, 0);  // the program waits in a write
   ASSERT_TRUE(bench.sim.wait_for("Ctrl-C"));
-  const std::vector<std::string> words = bench.engrave();
+  ProgramStart program(bench.engrave());
   const pid_t child = ::fork();
   if (child == 0) {
-    const std::string program = program_path();
-    std::vector<char*> argv{const_cast<char*>(program.c_str())};
-    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-    argv.push_back(nullptr);
     ::dup2(::open("/dev/null", O_RDWR), STDIN_FILENO);
     ::dup2(STDIN_FILENO, STDOUT_FILENO);
     ::dup2(pipe[1], STDERR_FILENO);
     ::alarm(20);
-    ::execv(program.c_str(), argv.data());
-    ::_exit(127);
+    program.become_program();
   }
   int status = -1;
   ::waitpid(child, &status, 0);

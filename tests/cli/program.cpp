@@ -17,23 +17,13 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/cli/program_start.hpp"
 #include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A command line in the format of execv().
-struct Words {
-  explicit Words(const std::vector<std::string>& arguments) {
-    texts.insert(texts.end(), arguments.begin(), arguments.end());
-    for (std::string& text : texts) argv.push_back(text.data());
-    argv.push_back(nullptr);
-  }
-  std::vector<std::string> texts{program_path()};
-  std::vector<char*> argv;
-};
 
 constexpr unsigned short terminal_rows = 30;
 
@@ -85,7 +75,7 @@ std::vector<std::string> lines(const std::string& text) {
 }
 
 Running::Running(const std::vector<std::string>& arguments, const std::string& input) {
-  const Words words(arguments);
+  ProgramStart start(arguments);
   const std::string in = folder_.write("in", input);
   const std::string out = folder_ / "out", err = folder_ / "err";
   process_ = ::fork();
@@ -93,8 +83,7 @@ Running::Running(const std::vector<std::string>& arguments, const std::string& i
   redirect(in, O_RDONLY, STDIN_FILENO);
   redirect(out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
-  ::execv(words.argv[0], words.argv.data());
-  ::_exit(127);
+  start.become_program();
 }
 
 Running::~Running() {
@@ -131,13 +120,12 @@ InTerminal::InTerminal(const std::vector<std::string>& arguments, const termios&
 }
 
 void InTerminal::start(const std::vector<std::string>& arguments, const termios* modes) {
-  const Words words(arguments);
+  ProgramStart program(arguments);
   const winsize size{terminal_rows, 80, 0, 0};
   process_ = ::forkpty(&terminal_, nullptr, modes, &size);
   if (process_ != 0) return;
   ::setenv("TERM", "xterm", 1);
-  ::execv(words.argv[0], words.argv.data());
-  ::_exit(127);
+  program.become_program();
 }
 
 InTerminal::~InTerminal() {

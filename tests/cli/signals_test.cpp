@@ -12,6 +12,7 @@
 #include "tests/chip/tiny_image.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/program_start.hpp"
 
 namespace lamplock::cli::test::signals {
 namespace {
@@ -28,8 +29,11 @@ class WithInput {
  public:
   WithInput(const std::vector<std::string>& arguments, Input input) {
     EXPECT_EQ(::pipe2(pipe_, O_CLOEXEC), 0);
+    ProgramStart program(arguments);
     process_ = ::fork();
-    if (process_ == 0) run_program(arguments, input);
+    if (process_ != 0) return;
+    redirect_streams(input);
+    program.become_program();
   }
   ~WithInput() {
     for (const int end : pipe_) ::close(end);
@@ -65,7 +69,7 @@ class WithInput {
   std::string output() const { return read(folder_ / "out"); }
 
  private:
-  [[noreturn]] void run_program(std::vector<std::string> arguments, Input input) const {
+  void redirect_streams(Input input) const {
     const int out = ::open((folder_ / "out").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
     ::dup2(out, STDOUT_FILENO);
     ::dup2(out, STDERR_FILENO);
@@ -73,12 +77,6 @@ class WithInput {
     if (input == Input::null_device) ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
     if (input == Input::pipe) ::dup2(pipe_[0], STDIN_FILENO);
     if (input == Input::closed) ::close(STDIN_FILENO);
-    arguments.insert(arguments.begin(), program_path());
-    std::vector<char*> words;
-    for (std::string& word : arguments) words.push_back(word.data());
-    words.push_back(nullptr);
-    ::execv(words[0], words.data());
-    ::_exit(127);
   }
 
   Folder folder_;

@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           .string();
   constexpr const char* formats[] = {".svg", ".dxf", ".png", ".jpg", ".bmp",
                                      ".xyz", ".csv", ".cad", ".ply"};
-  if (size < 2) return 0;
+  if (size == 0) return 0;
   const std::filesystem::path file = base + formats[data[0] % std::size(formats)];
   try {
     lamplock::write_file(file, std::string(reinterpret_cast<const char*>(data + 1), size - 1));

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       (std::filesystem::temp_directory_path() / ("fuzz_mesh_" + std::to_string(::getpid())))
           .string();
   constexpr const char* formats[] = {".stl", ".obj", ".ply", ".glb", ".3mf"};
-  if (size < 2) return 0;
+  if (size == 0) return 0;
   const std::filesystem::path file = base + formats[data[0] % std::size(formats)];
   const std::string bytes(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
