@@ -180,7 +180,7 @@ void InTerminal::type(const std::string& text) {
 std::string InTerminal::watch(std::chrono::milliseconds time) {
   const auto until = std::chrono::steady_clock::now() + time;
   while (std::chrono::steady_clock::now() < until && read_more(5)) continue;
-  const std::string shown = shown_.substr(watched_);
+  std::string shown = shown_.substr(watched_);
   watched_ = shown_.size();
   return shown;
 }
