@@ -1,10 +1,9 @@
 // Starts the program `lamplock` in a child process of a test.
 //
 // In:  arguments. Out: the child becomes the program; its exit status is that of the program.
-// Under the sanitizers a start of the executable takes 0.18 s, a call of its main function in a
-// forked test program 0.02 s. So only the first run of each command in a test program starts the
-// executable, and is checked for leaks; the others are calls. Without sanitizers each run starts
-// it.
+// Under the sanitizers a start of the executable takes 0.13 s more than a call of its main function
+// in a forked test program. So only the first run of each command in a test program starts the
+// executable, and is checked for leaks; the others are calls. Without them each run is a start.
 #pragma once
 
 #include <string>
