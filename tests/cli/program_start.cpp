@@ -30,7 +30,8 @@ Command& commands() {
   return *made;
 }
 
-/// A child has the locks of other threads, but not these threads.
+/// A forked child keeps the locks that other threads held, without the threads that would unlock
+/// them.
 bool has_one_thread() {
   const fs::directory_iterator threads("/proc/self/task");
   return std::distance(begin(threads), end(threads)) == 1;
@@ -41,7 +42,7 @@ bool is_first_run(const std::string& command) {
   return commands_run.insert(command).second;
 }
 
-/// As execv() does.
+/// Closes the files that execv() closes: those with FD_CLOEXEC.
 void close_marked_files() {
   std::vector<int> files;
   for (const auto& entry : fs::directory_iterator("/proc/self/fd"))

@@ -3,7 +3,7 @@
 // In:  arguments. Out: the child becomes the program; its exit status is that of the program.
 // Under the sanitizers a start of the executable takes 0.13 s more than a call of its main function
 // in a forked test program. So only the first run of each command in a test program starts the
-// executable, and is checked for leaks; the others are calls. Without them each run is a start.
+// executable, and is checked for leaks; the others are calls. In other builds each run is a start.
 #pragma once
 
 #include <string>
