@@ -1,5 +1,6 @@
 #include "host/cli/file_options.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <type_traits>
@@ -8,6 +9,7 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/run/output_name.hpp"
 #include "host/run/report_folder.hpp"
 
@@ -31,6 +33,21 @@ std::string short_name(const Option& option) {
   return option.is_positional() ? option.name() : option.typed_names().front();
 }
 
+bool prints_json(const Command& command) {
+  return std::ranges::any_of(command.options(), [](const Option& option) {
+    return option.name() == "--json" && option.is_given();
+  });
+}
+
+/// The text of the command and an output in one file would be mixed. A pipe may have the output of
+/// a command without a JSON document, which then has its messages as well.
+void check_is_not_standard_output(const Command& command, const std::string& file) {
+  const bool is_mixed = prints_json(command) || !is_special(file);
+  if (!is_mixed || !is_standard_output(file)) return;
+  throw Error(Exit::bad_input, file, "is the standard output, to which this command prints",
+              "give a file name");
+}
+
 }  // namespace
 
 void check_files(const Command& command) {
@@ -45,6 +62,7 @@ void check_files(const Command& command) {
       for (const std::filesystem::path& part : run::files_of_report(file))
         outputs.push_back({short_name(option), part.string()});
   }
+  for (const Output& output : outputs) check_is_not_standard_output(command, output.file);
   check_distinct(outputs, inputs);
   for (const Option& option : command.options())
     if (const std::string file = file_of(option); !file.empty() && !option.file_ending().empty())

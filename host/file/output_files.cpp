@@ -1,6 +1,8 @@
 #include "host/file/output_files.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// One name for one place, whether the file is there or not.
-fs::path place_of(const std::string& file) {
+fs::path only_name_of(const std::string& file) {
   std::error_code error;
-  const fs::path place = fs::weakly_canonical(fs::absolute(file, error), error);
+  const fs::path place = fs::weakly_canonical(fs::absolute(place_of(file), error), error);
   return error ? fs::path(file).lexically_normal() : place;
 }
 
@@ -25,7 +27,7 @@ fs::path place_of(const std::string& file) {
 /// capitals.
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
-  return place_of(a) == place_of(b) || (fs::equivalent(a, b, error) && !error);
+  return only_name_of(a) == only_name_of(b) || (fs::equivalent(a, b, error) && !error);
 }
 
 /// The input that an output would replace; null: none. An input that is missing is another error.
@@ -39,6 +41,14 @@ const std::string* replaced_input(const std::string& output,
 }
 
 }  // namespace
+
+bool is_standard_output(const fs::path& file) {
+  struct stat of_file {};
+  struct stat of_output {};
+  return ::stat(file.c_str(), &of_file) == 0 && ::fstat(STDOUT_FILENO, &of_output) == 0 &&
+         (S_ISREG(of_file.st_mode) || S_ISFIFO(of_file.st_mode)) &&
+         of_file.st_dev == of_output.st_dev && of_file.st_ino == of_output.st_ino;
+}
 
 void check_distinct(const std::vector<Output>& outputs, const std::vector<std::string>& inputs) {
   std::vector<Output> seen;

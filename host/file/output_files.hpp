@@ -5,6 +5,7 @@
 //      which a job description names.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,8 @@ struct Output {
 /// capitals count. Throws Error(bad_input).
 void check_distinct(const std::vector<Output>& outputs,
                     const std::vector<std::string>& inputs = {});
+
+/// Whether a name leads to the file or pipe that the standard output of this process is.
+bool is_standard_output(const std::filesystem::path& file);
 
 }  // namespace lamplock

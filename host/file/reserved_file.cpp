@@ -32,7 +32,10 @@ bool write_at_begin(int descriptor, std::string_view text) {
 }  // namespace
 
 ReservedFile::ReservedFile(fs::path target, std::size_t bytes)
-    : target_(std::move(target)), staged_(staged_path(target_)), unfinished_(staged_) {
+    : target_(std::move(target)),
+      place_(place_of(target_)),
+      staged_(staged_path(place_)),
+      unfinished_(staged_) {
   descriptor_ = ::open(staged_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, for_all_to_read);
   if (descriptor_ < 0) throw OutputError(target_, errno);
   const int error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
@@ -52,7 +55,7 @@ ReservedFile::~ReservedFile() {
 void ReservedFile::write(std::string_view text) {
   std::error_code error;
   if (!write_at_begin(descriptor_, text)) error = {errno, std::generic_category()};
-  if (!error) fs::rename(staged_, target_, error);
+  if (!error) error = put_in_place(staged_, place_);
   if (!error) return;
   if (error != std::errc::no_such_file_or_directory) throw OutputError(target_, error.value());
   write_whole(target_, text);

@@ -30,7 +30,7 @@ class ReservedFile {
   void write(std::string_view text);
 
  private:
-  std::filesystem::path target_, staged_;
+  std::filesystem::path target_, place_, staged_;
   UnfinishedPath unfinished_;
   int descriptor_ = -1;
 };

@@ -39,6 +39,8 @@ void check_parent(const fs::path& target) {
   if (!fs::is_directory(folder, ignored))
     throw OutputError(target, "is in a folder that does not exist");
   if (is_of_another_user(target, folder)) throw OutputError(target, EPERM);
+  if (fs::exists(target, ignored) && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0)
+    throw OutputError(target, errno);
 }
 
 /// A device says only at a write that it takes nothing, as /dev/full does. A line end is harmless
@@ -86,21 +88,47 @@ fs::path staged_path(const fs::path& target) {
   return staged;
 }
 
+fs::path place_of(const fs::path& target) {
+  constexpr int max_links = 40;  // as in Linux, path_resolution(7)
+  fs::path place = target;
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(place, error); ++links) {
+    const fs::path next = fs::read_symlink(place, error);
+    if (error || links == max_links) throw OutputError(target, error ? error.value() : ELOOP);
+    place = place.parent_path() / next;  // `next` alone if it is absolute
+  }
+  return place;
+}
+
+std::error_code put_in_place(const fs::path& staged, const fs::path& place) {
+  struct stat former {};
+  if (::stat(place.c_str(), &former) == 0) {
+    // Root may keep the owner, the owner the mode; the contents count more than either.
+    [[maybe_unused]] const int owner = ::chown(staged.c_str(), former.st_uid, former.st_gid);
+    [[maybe_unused]] const int mode = ::chmod(staged.c_str(), former.st_mode & ALLPERMS);
+  }
+  std::error_code error;
+  fs::rename(staged, place, error);
+  return error;
+}
+
 void check_target(const fs::path& target) {
-  check_parent(target);
+  check_parent(is_special(target) ? target : place_of(target));
   if (!is_special(target)) {
     const ReservedFile trial(target, trial_bytes);
     return;
   }
-  if (::access(target.c_str(), W_OK) != 0) throw OutputError(target, errno);
   std::error_code ignored;
   if (fs::is_character_file(target, ignored)) try_device(target);
 }
 
-StagedFile::StagedFile(fs::path target) : target_(std::move(target)), staged_(target_) {
-  check_parent(target_);
+StagedFile::StagedFile(fs::path target)
+    : target_(std::move(target)),
+      place_(is_special(target_) ? target_ : place_of(target_)),
+      staged_(target_) {
+  check_parent(place_);
   if (is_special(target_)) return;
-  staged_ = staged_path(target_);
+  staged_ = staged_path(place_);
   unfinished_.emplace(staged_);
 }
 
@@ -111,9 +139,8 @@ StagedFile::~StagedFile() {
 
 void StagedFile::commit() {
   if (staged_ == target_) return;
-  std::error_code error;
-  fs::rename(staged_, target_, error);
-  if (error) throw OutputError(target_, error.value());
+  if (const std::error_code error = put_in_place(staged_, place_))
+    throw OutputError(target_, error.value());
 }
 
 void write_whole(const fs::path& target, const std::function<void(const fs::path&)>& write) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "host/file/unfinished_paths.hpp"
 
@@ -17,7 +18,7 @@ namespace lamplock {
 /// A file in the making; without commit() nothing is left of it.
 class StagedFile {
  public:
-  /// Throws Error(bad_input) if there is no folder for it.
+  /// Throws Error(bad_input) if there is no folder for it, or a file that may not be written.
   explicit StagedFile(std::filesystem::path target);
   ~StagedFile();
   StagedFile(const StagedFile&) = delete;
@@ -31,9 +32,18 @@ class StagedFile {
   void commit();
 
  private:
-  std::filesystem::path target_, staged_;
+  std::filesystem::path target_, place_, staged_;
   std::optional<UnfinishedPath> unfinished_{};
 };
+
+/// The file that an output with this name makes or replaces: where symbolic links lead to, if it is
+/// one. Throws Error(bad_input) for a circle of links.
+std::filesystem::path place_of(const std::filesystem::path& target);
+
+/// Puts a written file in its place; it gets mode and owner of the file that it replaces, as far as
+/// the user may set them. Another hard link keeps the old contents.
+std::error_code put_in_place(const std::filesystem::path& staged,
+                             const std::filesystem::path& place);
 
 /// True for what is there and no file: a device, a pipe, a folder.
 bool is_special(const std::filesystem::path& path);

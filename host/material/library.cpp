@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <system_error>
+#include <type_traits>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -78,12 +79,18 @@ std::vector<std::string> columns_of() {
   return keys_of(fields(record));
 }
 
+/// What to give instead of the name of a record that the library lacks.
+std::string remedy_of_missing(const char* kind, const std::string& name,
+                              const std::vector<std::string>& names) {
+  return did_you_mean(name, names,
+                      names.empty() ? fmt::format("add a {}", kind)
+                                    : fmt::format("give {}", fmt::join(names, ", ")));
+}
+
 [[noreturn]] void refuse_missing(const char* kind, const std::string& name,
                                  const std::vector<std::string>& names) {
   throw Error(Exit::bad_input, fmt::format("{} {}", kind, name), "the library has no such record",
-              did_you_mean(name, names,
-                           names.empty() ? fmt::format("add a {}", kind)
-                                         : fmt::format("give {}", fmt::join(names, ", "))));
+              remedy_of_missing(kind, name, names));
 }
 
 template <class Record>
@@ -263,17 +270,15 @@ std::optional<Record> Library::with_same_key(const Record& record) {
 
 template <class Record>
 void Library::check_owners(const Record& record, const std::string& where) {
-  const auto check = [&](const char* kind, const std::string& name,
-                         const std::vector<std::string>& names) {
-    if (std::ranges::find(names, name) != names.end()) return;
+  const auto check = [&]<class Owner>(std::type_identity<Owner>, const std::string& name) {
+    if (!select<Owner>("name = ?", {name}).empty()) return;
+    const char* kind = kind_of<Owner>();
     throw Error(Exit::bad_input, where,
                 fmt::format("'{}' is '{}', which the library does not have", kind, name),
-                did_you_mean(name, names,
-                             names.empty() ? fmt::format("add a {}", kind)
-                                           : fmt::format("give {}", fmt::join(names, ", "))));
+                remedy_of_missing(kind, name, names_of(all<Owner>())));
   };
-  check(kind_of<Material>(), record.material, names_of(all<Material>()));
-  check(kind_of<Laser>(), record.laser, names_of(all<Laser>()));
+  check(std::type_identity<Material>(), record.material);
+  check(std::type_identity<Laser>(), record.laser);
   const double full_power_w = laser(record.laser).power_w;
   if (record.power_w > full_power_w)
     throw Error(Exit::bad_input, where,

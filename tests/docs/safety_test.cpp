@@ -2,27 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <regex>
-#include <sstream>
 #include <string>
 
 #include "tests/docs/page.hpp"
-#include "tests/paths.hpp"
 
 namespace lamplock::test {
 namespace {
-
-/// All sources of tests, concatenated.
-std::string sources_of_tests() {
-  namespace fs = std::filesystem;
-  std::ostringstream text;
-  for (const fs::directory_entry& entry :
-       fs::recursive_directory_iterator(test::in_repository("tests")))
-    if (entry.path().extension() == ".cpp") text << std::ifstream(entry.path()).rdbuf();
-  return text.str();
-}
 
 TEST(SafetyPage, NamesATestForEachFigure) {
   const std::string page = read_repository_file("docs/safety.md");

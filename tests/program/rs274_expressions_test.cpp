@@ -53,8 +53,18 @@ class Expressions {
 
   int below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
 
+  /// A line that both read: rs274 (LINELEN of LinuxCNC) takes 254 characters, the board 256.
   std::string line() {
-    if (below(12) == 0) return bad_line();
+    constexpr std::size_t max_length = 254;
+    const auto old = values_;
+    for (;;) {
+      values_ = old;
+      std::string text = below(12) == 0 ? bad_line() : good_line();
+      if (text.size() <= max_length) return text;
+    }
+  }
+
+  std::string good_line() {
     const auto old = values_;
     std::string text;
     if (below(3) == 0) {
