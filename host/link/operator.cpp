@@ -114,12 +114,12 @@ std::string teaching_line(const Places& places, const std::string& axes) {
   return line;
 }
 
-/// Moves with the laser off by the line `there`. Stores the current position as G30 unless it is
-/// zero or the sample position.
-std::vector<std::string> leave_for(const std::string& there, const Places& places) {
+/// Moves to `target` with the laser off by the line `there`. Stores the current position as G30,
+/// unless the machine is at the target already, as after the same command.
+std::vector<std::string> leave_for(const std::vector<double>& target, const std::string& there,
+                                   const Places& places) {
   std::vector<std::string> lines{"M5"};
-  if (!same(places.machine, places.zero) && !same(places.machine, places.sample))
-    lines.emplace_back("G30.1");
+  if (!same(places.machine, target)) lines.emplace_back("G30.1");
   lines.push_back(there);
   lines.emplace_back(wait_for_rest);
   return lines;
@@ -194,9 +194,10 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
       return {teaching_line(places, axes)};
     case Operation::init:
       return leave_for(
+          places.zero,
           with_zeros("G90 G54 G0", std::min(places.machine.size(), axis_letters.size())), places);
     case Operation::sample:
-      return leave_for("G28", places);
+      return leave_for(places.sample, "G28", places);
     case Operation::teach_sample:
       return {"G28.1"};
     case Operation::restore:

@@ -102,10 +102,24 @@ TEST_F(Operate, changes_the_glass_and_returns_to_its_place) {
   EXPECT_EQ(places({"sample", "--teach"})["sample_mm"], (Place{20, 12, -7}));
   go("G0 X6 Y8");
   EXPECT_EQ(places({"sample"})["machine_mm"], (Place{20, 12, -7}));
-  // A move to zero keeps the stored place.
-  EXPECT_EQ(places({"init"})["machine_mm"], (Place{0, 0, 0}));
+  // The same command again keeps the stored place.
+  EXPECT_EQ(places({"sample"})["restore_mm"], (Place{6, 8, -7}));
   EXPECT_EQ(places({"restore"})["machine_mm"], (Place{6, 8, -7}));
   EXPECT_EQ(shots(), 0u);
+}
+
+/// Also from zero and from the sample position, never to a place that was stored long ago.
+TEST_F(Operate, returns_to_the_place_before_the_last_move) {
+  const Place there{20, 12, -7}, sample{5, 6, 7};
+  go("G0 X5 Y6 Z7");
+  (void)places({"sample", "--teach"});
+  go("G0 X20 Y12 Z-7");
+  (void)places({"zero"});
+  EXPECT_EQ(places({"sample"})["machine_mm"], sample);
+  EXPECT_EQ(places({"restore"})["machine_mm"], there);
+  EXPECT_EQ(places({"sample"})["machine_mm"], sample);
+  EXPECT_EQ(places({"init"})["machine_mm"], there);
+  EXPECT_EQ(places({"restore"})["machine_mm"], sample);
 }
 
 TEST_F(Operate, fires_test_flashes_at_its_place_when_permitted) {
