@@ -107,7 +107,10 @@ void state_limits(job::Profile& profile, int axis, const ServoLimits& limits, do
 settings::Values ServoMachine::settings() const {
   job::Profile profile;
   const std::string where = "servo drives";
-  job::state_setting(profile, Id::axes, servo_axes, where);
+  // Z, with a stepper motor, follows its plan: programs move it between the cuts that are measured.
+  constexpr int z = static_cast<int>(servo_axes);
+  job::state_setting(profile, Id::axes, servo_axes + 1, where);
+  job::state_setting(profile, settings::for_axis(Id::acceleration_x, z), accel_mm_s2, where);
   job::state_setting(profile, Id::lamp_mode, 0, where);
   job::state_setting(profile, Id::soft_limits, 0, where);
   const double max_mm_min =
@@ -136,7 +139,10 @@ ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
   board.listen(sampler);
   run_program_on(board, text, name);
   board.run_until(board.now() + static_cast<Picoseconds>(machine.settle_s * ps_per_second));
-  if (sampler.samples().empty())
+  const auto moves = [&](const PlanSampler::Sample& sample) {
+    return sample.mm != sampler.samples().front().mm;
+  };
+  if (std::ranges::none_of(sampler.samples(), moves))
     throw Error(Exit::bad_input, name, "does not move X or Y", "give it a G1, G2 or G3");
 
   ServoRun run;

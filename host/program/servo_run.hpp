@@ -61,8 +61,8 @@ struct ServoRun {
   double steps_per_mm = 0;  ///< of the controller: the setting, with its three decimals
 };
 
-/// Runs a program from zero to its end. Throws Error, about `name`, if it does not end, or has no
-/// motion.
+/// Runs a program from zero to its end. It may also move Z, which has no error. Throws Error, about
+/// `name`, if it does not end, or does not move X or Y.
 ServoRun run_on_servos(std::string_view text, const ServoMachine& machine, const std::string& name);
 
 /// A place in the plane, mm.

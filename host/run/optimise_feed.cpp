@@ -181,6 +181,9 @@ void compare(const FeedOptions& options, const FeedProgram& program,
         compare_feeds(program, feed.method, drives,
                       std::max(options.piece_ms, options.period_ms) / 1e3, options.input, frontend);
     frontend.text(feed_table(feed.compared));
+    if (!moves_only_xy(program))
+      frontend.notice(
+          "without times and errors of drives: those that are simulated move X and Y only");
   } catch (const Error& error) {
     frontend.notice(
         fmt::format("no comparison: the simulated board cannot run with these limits "

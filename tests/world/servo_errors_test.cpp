@@ -120,6 +120,16 @@ TEST(ServoRun, LoadsLagByTheirTimeConstants) {
 TEST(ServoRun, ProgramsWithoutMotionAreRefused) {
   EXPECT_THROW(run_on_servos("G21\n", {}, "test"), Error);
   EXPECT_THROW(run_on_servos("G1 X1\n", {}, "test"), Error);  // no feed
+  EXPECT_THROW(run_on_servos("G0 Z1\n", {}, "test"), Error);
+}
+
+TEST(ServoRun, MovesOfZBetweenCutsChangeNoError) {
+  const auto errors_of = [](const char* text) {
+    return servo_errors(run_on_servos(text, {}, "test"), ServoMachine{}.pulses_per_mm(), "test");
+  };
+  const ServoErrors flat = errors_of("G21 G90 G94 F600\nG1 X3 Y2\n");
+  const ServoErrors lifted = errors_of("G21 G90 G94 F600\nG0 Z5\nG1 Z0\nX3 Y2\nG0 Z5\n");
+  EXPECT_NEAR(lifted.beside_mm, flat.beside_mm, 1e-6);
 }
 
 TEST(ServoPicture, ShowsEveryRunWithItsName) {
