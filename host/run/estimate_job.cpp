@@ -9,7 +9,6 @@
 #include "host/estimate/estimate.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
-#include "host/job/rate_excess.hpp"
 #include "host/number_text.hpp"
 #include "host/report/page.hpp"
 #include "host/run/job_run.hpp"
@@ -54,8 +53,6 @@ report::JobRun run_of(PreparedJob prepared, const EstimateOptions& options,
 
 estimate::Estimate estimate_prepared(const PreparedJob& prepared, const EstimateOptions& options,
                                      Frontend& frontend) {
-  if (const auto excess = job::rate_excess_words(prepared.job.settings))
-    throw job::no_motion(prepared.job.settings, settings::row(excess->id).number);
   const std::unique_ptr<Progress> progress =
       frontend.progress("estimating", prepared.job.size(), options.job.from);
   estimate::EstimateOptions wanted;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "host/error.hpp"
+#include "host/estimate/settings_check.hpp"
 #include "host/gpio/read_line_table.hpp"
 #include "host/job/board_of_profile.hpp"
 #include "host/job/read_profile.hpp"
@@ -39,6 +40,7 @@ job::Profile MachineOptions::profile() const {
     job::state_setting(profile, Id::lamp_mode, static_cast<double>(lamp_mode_named(*lamp_mode)),
                        "--lamp-mode");
   if (!machine.empty()) job::require_board_has(profile, machine);
+  estimate::check_settings(profile.settings);
   return profile;
 }
 
