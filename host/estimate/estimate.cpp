@@ -7,6 +7,7 @@
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "host/error.hpp"
 #include "host/estimate/job_plan.hpp"
+#include "host/estimate/settings_check.hpp"
 #include "host/link/dialog.hpp"
 #include "host/link/line_port.hpp"
 #include "host/link/sender.hpp"
@@ -166,6 +167,7 @@ void check(const job::Job& job, const EstimateOptions& options) {
     throw Error(Exit::bad_input, options.input,
                 "is a raster job (rows); estimate reads jobs of points only",
                 "lamplock raster prints the time when it makes the job");
+  check_settings(job.settings);
   if (options.first < job.targets.size()) return;
   throw Error(Exit::bad_input, fmt::format("--from {}", options.first),
               fmt::format("the job has {} points", job.targets.size()),
