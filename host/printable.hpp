@@ -14,4 +14,7 @@ namespace lamplock {
 /// change the direction of text and bytes that are not UTF-8 become \xNN or \u{NNNN}.
 std::string printable(std::string_view text);
 
+/// Whether all of a text is UTF-8 (RFC 3629). Names of files may be any bytes.
+bool is_utf8(std::string_view text);
+
 }  // namespace lamplock

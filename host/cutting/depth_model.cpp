@@ -80,7 +80,7 @@ int passes_through(double thickness_mm, double depth_mm) {
     throw Error(Exit::bad_input, depth_model_place,
                 fmt::format("{:g} mm in passes of {:g} mm are more than {:g} passes", thickness_mm,
                             depth_mm, max_passes),
-                "use more power or a slower feed");
+                "use more power, a slower feed or a greater infeed");
   return static_cast<int>(passes);
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "host/file.hpp"
+#include "host/printable.hpp"
 #include "host/suggestion.hpp"
 #include "host/toml_file.hpp"
 
@@ -116,7 +117,10 @@ void read_section(const toml::table& table, std::string_view name,
 
 namespace {
 
+/// TOML is UTF-8 (TOML 1.0.0, "Spec"): another name would be read back as a different one.
 std::string quoted(const std::string& text) {
+  if (!is_utf8(text))
+    refuse(text, "is not UTF-8, which a description must be", "give the file another name");
   std::ostringstream out;
   out << toml::value<std::string>(text);
   return out.str();

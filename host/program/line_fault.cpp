@@ -82,12 +82,19 @@ constexpr std::string_view no_subprograms =
 constexpr std::string_view no_motor_switch =
     "take the word out: $1 switches the motors off at rest";
 constexpr std::string_view no_heater = "take the word out: the machine has no heater";
+constexpr std::string_view no_program_output =
+    "give the profile of a machine with AUX OUT and AUX IN, such as pin_map = 2, or take the "
+    "word out";
 constexpr std::array replacements{
-    Replacement{'M', 97, no_subprograms},  Replacement{'M', 98, no_subprograms},
-    Replacement{'M', 99, no_subprograms},  Replacement{'M', 17, no_motor_switch},
-    Replacement{'M', 18, no_motor_switch}, Replacement{'M', 84, no_motor_switch},
-    Replacement{'M', 104, no_heater},      Replacement{'M', 109, no_heater},
-    Replacement{'M', 140, no_heater},      Replacement{'M', 190, no_heater},
+    Replacement{'M', 62, no_program_output}, Replacement{'M', 63, no_program_output},
+    Replacement{'M', 64, no_program_output}, Replacement{'M', 65, no_program_output},
+    Replacement{'M', 66, no_program_output}, Replacement{'M', 67, no_program_output},
+    Replacement{'M', 68, no_program_output}, Replacement{'M', 97, no_subprograms},
+    Replacement{'M', 98, no_subprograms},    Replacement{'M', 99, no_subprograms},
+    Replacement{'M', 17, no_motor_switch},   Replacement{'M', 18, no_motor_switch},
+    Replacement{'M', 84, no_motor_switch},   Replacement{'M', 104, no_heater},
+    Replacement{'M', 109, no_heater},        Replacement{'M', 140, no_heater},
+    Replacement{'M', 190, no_heater},
 };
 
 LineFault unsupported(std::string_view word, int axes) {

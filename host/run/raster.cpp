@@ -103,7 +103,8 @@ std::string remedy_outside(const RasterOptions& options, const model::Bitmap& bi
   const double width_mm = max_width_mm(options, bitmap, size.width_mm(), overscan_mm, values);
   if (width_mm > 0) return fmt::format("the greatest width that fits is --width-mm {:g}", width_mm);
   if (!options.origin_mm.empty()) return "leave out --origin, or give one farther inside";
-  return "use a lower --feed, which needs less overscan";
+  return fits(options, size, 0, values) ? "use a lower --feed, which needs less overscan"
+                                        : "give a smaller --pitch-mm";
 }
 
 void check_outputs(const RasterOptions& options) {

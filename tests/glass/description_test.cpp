@@ -181,6 +181,18 @@ TEST_F(DescriptionTest, ItsTextIsReadBackUnchanged) {
   }
 }
 
+/// Its text would name another file.
+TEST_F(DescriptionTest, ANameThatIsNotUtf8IsRefused) {
+  Description d;
+  d.objects.resize(1);
+  for (const char* name : {"M\xfcller.stl", "\xc3", "a\xed\xa0\x80.stl"}) {
+    d.objects[0].file = path(name);
+    EXPECT_THROW(to_text(d, folder_.file(".")), Error) << name;
+  }
+  d.objects[0].file = path("M\u00fcller \u20ac \U0001F600.stl");
+  EXPECT_EQ(read(to_text(d, folder_.file("."))).objects[0].file, d.objects[0].file);
+}
+
 TEST_F(DescriptionTest, TruncatedAnywhereItIsAnErrorOrADescription) {
   const std::string text =
       "[glass]\nblock = [50, 50, 80]\nmaterial = \"k9\"\n[[object]]\nfile = \"a.stl\"\n"
