@@ -115,7 +115,8 @@ fs::path default_library() {
   if (const auto data = folder_in("XDG_DATA_HOME")) return *data / place;
   if (const auto home = folder_in("HOME")) return *home / ".local/share" / place;
   throw Error(Exit::bad_input, "material library",
-              "neither XDG_DATA_HOME nor HOME names a folder for it", "give its file with --library");
+              "neither XDG_DATA_HOME nor HOME names a folder for it",
+              "give its file with --library");
 }
 
 std::string title_of(const Laser& laser) { return "laser " + laser.name; }
