@@ -42,7 +42,7 @@ const std::string* replaced_input(const std::string& output,
 
 }  // namespace
 
-bool is_standard_output(const fs::path& file) {
+bool is_standard_output(const std::string& file) {
   struct stat of_file {};
   struct stat of_output {};
   return ::stat(file.c_str(), &of_file) == 0 && ::fstat(STDOUT_FILENO, &of_output) == 0 &&

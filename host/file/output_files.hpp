@@ -5,7 +5,6 @@
 //      which a job description names.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -23,6 +22,6 @@ void check_distinct(const std::vector<Output>& outputs,
                     const std::vector<std::string>& inputs = {});
 
 /// Whether a name leads to the file or pipe that the standard output of this process is.
-bool is_standard_output(const std::filesystem::path& file);
+bool is_standard_output(const std::string& file);
 
 }  // namespace lamplock

@@ -310,5 +310,21 @@ TEST_F(Outputs, OfACallerThatHasClosedStandardOutput) {
   EXPECT_THAT(read(vcd), testing::StartsWith("$"));
 }
 
+/// The messages of a command, or its document, would be mixed with the output.
+TEST_F(Outputs, AreNotTheStandardOutput) {
+  const std::string linked = folder_ / "out.xyz", got = folder_ / "got";
+  fs::create_symlink("/proc/self/fd/1", linked);
+  for (const char* to : {">", ">>"}) {
+    EXPECT_EQ(status_in_shell("order " + list_ + " -o " + linked, to + got + " 2>" + got), 2) << to;
+    EXPECT_THAT(read(got), HasSubstr("is the standard output, to which this command prints"));
+  }
+  EXPECT_EQ(status_in_shell("order " + list_ + " --json -o " + linked, "2>" + got + " | cat"), 0);
+  EXPECT_THAT(read(got), HasSubstr("is the standard output, to which this command prints"));
+  EXPECT_EQ(status_in_shell("order " + list_ + " -o " + linked, "2>&1 | grep -c '^[-0-9]' >" + got),
+            0);
+  EXPECT_EQ(read(got), "60\n");
+  EXPECT_TRUE(fs::is_symlink(linked));
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test::outputs
