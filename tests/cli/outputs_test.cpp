@@ -313,15 +313,16 @@ TEST_F(Outputs, OfACallerThatHasClosedStandardOutput) {
 /// The messages of a command, or its document, would be mixed with the output.
 TEST_F(Outputs, AreNotTheStandardOutput) {
   const std::string linked = folder_ / "out.xyz", got = folder_ / "got";
+  const std::string order = fmt::format("order {} -o {}", list_, linked);
+  constexpr const char* refusal = "is the standard output, to which this command prints";
   fs::create_symlink("/proc/self/fd/1", linked);
   for (const char* to : {">", ">>"}) {
-    EXPECT_EQ(status_in_shell("order " + list_ + " -o " + linked, to + got + " 2>" + got), 2) << to;
-    EXPECT_THAT(read(got), HasSubstr("is the standard output, to which this command prints"));
+    EXPECT_EQ(status_in_shell(order, fmt::format("{0}{1} 2>{1}", to, got)), 2) << to;
+    EXPECT_THAT(read(got), HasSubstr(refusal));
   }
-  EXPECT_EQ(status_in_shell("order " + list_ + " --json -o " + linked, "2>" + got + " | cat"), 0);
-  EXPECT_THAT(read(got), HasSubstr("is the standard output, to which this command prints"));
-  EXPECT_EQ(status_in_shell("order " + list_ + " -o " + linked, "2>&1 | grep -c '^[-0-9]' >" + got),
-            0);
+  EXPECT_EQ(status_in_shell(order + " --json", fmt::format("2>{} | cat", got)), 0);
+  EXPECT_THAT(read(got), HasSubstr(refusal));
+  EXPECT_EQ(status_in_shell(order, fmt::format("2>&1 | grep -c '^[-0-9]' >{}", got)), 0);
   EXPECT_EQ(read(got), "60\n");
   EXPECT_TRUE(fs::is_symlink(linked));
 }

@@ -275,6 +275,7 @@ TEST(Rs274Expressions, RandomProgramsComputeAlike) {
   for (int done = 0; done < count; done += programs_a_process) {
     Expressions random(1 + static_cast<unsigned>(done));
     std::vector<Rs274::Program> programs;
+    programs.reserve(programs_a_process);
     for (int i = 0; i < programs_a_process; ++i)
       programs.push_back(random.program(lines_a_program));
     const auto results = rs274.run(programs, "G21 G17 G90 G94 G54 G61 G80 G92.1 F100");
