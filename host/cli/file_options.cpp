@@ -39,8 +39,8 @@ bool prints_json(const Command& command) {
   });
 }
 
-/// The text of the command and an output in one file would be mixed. A pipe may have the output of
-/// a command without a JSON document, which then has its messages as well.
+/// In one file the messages of the command and its output would overwrite each other, and in a pipe
+/// a JSON document would not be alone. A pipe without --json receives messages and output.
 void check_is_not_standard_output(const Command& command, const std::string& file) {
   const bool is_mixed = prints_json(command) || !is_special(file);
   if (!is_mixed || !is_standard_output(file)) return;

@@ -183,7 +183,7 @@ void compare(const FeedOptions& options, const FeedProgram& program,
     frontend.text(feed_table(feed.compared));
     if (!moves_only_xy(program))
       frontend.notice(
-          "without times and errors of drives: those that are simulated move X and Y only");
+          "times and errors of drives are missing: the simulated drives move X and Y only");
   } catch (const Error& error) {
     frontend.notice(
         fmt::format("no comparison: the simulated board cannot run with these limits "

@@ -94,9 +94,9 @@ TEST(WriteWhole, KeepsTheModeOfTheFileThatItReplaces) {
 class WithoutRootsRights {
  public:
   WithoutRootsRights() {
-    constexpr uid_t nobody = 65534;  // on Debian
+    constexpr uid_t without_rights = 65534;  // base-passwd of Debian
     if (::geteuid() == 0) {
-      EXPECT_EQ(::seteuid(nobody), 0);
+      EXPECT_EQ(::seteuid(without_rights), 0);
     }
   }
   ~WithoutRootsRights() { EXPECT_EQ(::seteuid(::getuid()), 0); }
