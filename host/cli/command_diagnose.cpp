@@ -72,12 +72,14 @@ void add_diagnose(Command& program) {
       "Example:\n"
       "  lamplock diagnose part.ngc --time-constant 3 --picture errors.svg");
   const auto options = std::make_shared<DiagnoseOptions>();
-  app.add_option("PROGRAM", &options->input,
-                 "G-code program; it starts at X0 Y0; default: two trajectories of a paper")
-      .value_name("FILE")
-      .file(FileUse::read);
+  const Option& file =
+      app.add_option("PROGRAM", &options->input,
+                     "G-code program; it starts at X0 Y0; default: two trajectories of a paper")
+          .value_name("FILE")
+          .file(FileUse::read);
   app.add_option("--feed", &options->feed_mm_min,
                  "Feed rate of the two trajectories, without PROGRAM")
+      .excludes(file)
       .check(number_from(0, false))
       .value_name("MM_MIN")
       .show_default();

@@ -53,8 +53,9 @@ void add_sim(Command& program) {
       .value_name("LINK")
       .file(FileUse::write)
       .common();
-  app.add_option("--tcp", &options->tcp,
-                 "Listen for TCP connections at this address; port 0: any free port")
+  app.add_option(
+         "--tcp", &options->tcp,
+         "Listen at this TCP address, one program connects at a time; port 0: any free port")
       .value_name("HOST:PORT")
       .common();
   app.add_option("--seconds", &options->seconds, "Stop after this time; default: run until Ctrl-C")

@@ -71,6 +71,7 @@ class Trial {
     sending.first_fired = options.fired;
     sending.job_speed = options.job_speed;
     sending.session = link::simulated_session;
+    sending.can_continue = false;
     return sending;
   }
 

@@ -131,7 +131,7 @@ bool is_aside(const std::string& line) {
 void expect_connected(LinePort& port) {
   if (!port.transport().connected())
     throw Error(Exit::no_device, "machine", "the connection broke",
-                "check the cable and try again");
+                "check the cable, and that no other program uses the machine");
 }
 
 Greeting greet(LinePort& port, const Patience& patience) { return Asked(port, patience).answer(); }

@@ -54,7 +54,8 @@ wire::Status JobInquiry::ask() {
     if (!cut) connection_.send_query(no_session, ++tag_);
     if (const auto status = wait_for_answer(transport_.now() + ask_again)) return *status;
   }
-  throw Error(Exit::no_device, "machine", "does not answer", "check port, power and firmware");
+  throw Error(Exit::no_device, "machine", "does not answer",
+              "check port, power and firmware, and that no other program uses the machine");
 }
 
 std::optional<wire::Status> JobInquiry::wait_for_answer(Time until) {

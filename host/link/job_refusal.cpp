@@ -28,7 +28,7 @@ void throw_refusal(const wire::Refused& refused, const RefusalPlace& at) {
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("{} {}", at.item, refused.value) : "machine";
   // After a refusal in mid-job the remedy must not be a new start: it would fire points twice.
-  const std::string then = of_point ? ", then " + at.advice : "";
+  const std::string then = of_point && !at.advice.empty() ? ", then " + at.advice : "";
   switch (refused.result) {
     case Result::busy:
       if (at.status.session != 0 && at.status.session != at.session)

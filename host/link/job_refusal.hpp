@@ -17,7 +17,8 @@ struct RefusalPlace {
   std::uint32_t session = 0;  ///< of the job
   wire::Status status;        ///< the last one, of any session
   std::string board;          ///< name of the board for remedies
-  std::string advice;         ///< how the job continues: a new start would fire points twice
+  /// How the job continues, since a new start would fire points twice; empty if it cannot.
+  std::string advice;
 };
 
 /// Throws the refusal as an Error for the user: job_failed for a state of the machine, no_device

@@ -138,6 +138,7 @@ Continuation JobSender::rest() const {
 }
 
 std::string JobSender::advice() const {
+  if (!options_.can_continue) return "";
   return continuation_text(rest(), job_.item(), static_cast<bool>(options_.on_progress));
 }
 
@@ -267,7 +268,8 @@ void JobSender::throw_no_answer() const {
   const std::string what = text_seen_.empty()
                                ? "does not answer"
                                : fmt::format("answers in text ('{}'), not in frames", text_seen_);
-  throw Error(Exit::no_device, "machine", what, "check port, power and firmware");
+  throw Error(Exit::no_device, "machine", what,
+              "check port, power and firmware, and that no other program uses the machine");
 }
 
 /// Sends a QUERY after a burst, at the status interval, and again when no answer came.

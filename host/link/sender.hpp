@@ -59,6 +59,8 @@ struct SenderOptions {
   /// Resume after `!`, 0x84 and 0x18 that this program did not send: noise of a serial line may be
   /// read as one of them.
   bool auto_resume = false;
+  /// Errors say where the job can continue. The machine of an estimate is gone after one.
+  bool can_continue = true;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
   /// Called before BEGIN is sent, before points are sent, and at most twice a second while the
   /// machine fires. An exception stops the job.

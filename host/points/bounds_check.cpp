@@ -6,13 +6,24 @@
 #include "host/number_text.hpp"
 
 namespace lamplock::points {
+namespace {
+
+/// By the rounding of scaled coordinates, mm; far below a step.
+geometry::Bounds widened(const geometry::Bounds& box) {
+  constexpr double by = 1e-6;
+  return {{box.low.x - by, box.low.y - by, box.low.z - by},
+          {box.high.x + by, box.high.y + by, box.high.z + by}};
+}
+
+}  // namespace
 
 void check_bounds(std::span<const geometry::Point> cloud, const geometry::Bounds& room,
                   const std::string& where, const std::string& place) {
+  const geometry::Bounds allowed = widened(room);
   std::size_t bad = 0, first = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     // contains() is false for NaN, so one test serves both.
-    if (room.contains(cloud[i]) && geometry::is_finite(cloud[i])) continue;
+    if (allowed.contains(cloud[i]) && geometry::is_finite(cloud[i])) continue;
     if (bad++ == 0) first = i;
   }
   if (bad == 0) return;

@@ -9,7 +9,8 @@
 
 namespace lamplock::points {
 
-/// Throws Error (bad_input) unless every point is finite and inside `room`; the error names index
+/// Throws Error (bad_input) unless every point is finite and inside `room`, or outside of it by no
+/// more than the rounding of scaled coordinates, 1e-6 mm; the error names index
 /// (from 0) and coordinates of the first bad point and the number of bad ones. `where` names the
 /// input, usually the file, `place` the room.
 void check_bounds(std::span<const geometry::Point> cloud, const geometry::Bounds& room,

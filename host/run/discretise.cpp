@@ -36,17 +36,11 @@ using model::InputKind;
 constexpr double default_spacing_mm = 0.1;
 /// Rounding of scaled coordinates; far below a step.
 constexpr double rounding_mm = 1e-6;
-
-Bounds widened(const Bounds& box) {
-  return {{box.low.x - rounding_mm, box.low.y - rounding_mm, box.low.z - rounding_mm},
-          {box.high.x + rounding_mm, box.high.y + rounding_mm, box.high.z + rounding_mm}};
-}
-
 /// Refuses points that the machine cannot reach, or outside the block less its margin.
 void check_place(const PointCloud& cloud, const Volume& volume, const std::string& file) {
-  points::check_bounds(cloud, widened(volume.reach), file);
+  points::check_bounds(cloud, volume.reach, file);
   if (volume.block)
-    points::check_bounds(cloud, widened(volume.block->inside()), file,
+    points::check_bounds(cloud, volume.block->inside(), file,
                          fmt::format("the block less {:g} mm of margin", volume.block->margin_mm));
 }
 

@@ -117,7 +117,9 @@ std::string other_tone(const Object& object) {
 
 Cause cause_of_mesh(const Mesh& mesh, const Object& object, double spacing_mm) {
   const Areas areas = areas_of(mesh);
-  if (!(areas.whole > 0)) return {"gives no points: its triangles have no area", "repair the mesh"};
+  if (!(areas.whole > 0))
+    return {"gives no points: its triangles have no area",
+            object.size_mm ? "use a greater --size, or repair the mesh" : "repair the mesh"};
   const std::string method = object.method.value_or(glass::default_method);
   if (method == "slice") return cause_of_slices(mesh, object, spacing_mm);
   if (method == "rays") return cause_of_rays(areas, object, spacing_mm);

@@ -144,6 +144,17 @@ model::Bitmap read_picture(const std::string& file) {
   }
 }
 
+/// A width that is not a whole number of pixels cannot be kept.
+void note_width(const RasterOptions& options, const RasterSize& size, Frontend& frontend) {
+  constexpr double rounding = 1e-9;
+  const double wanted_mm = options.width_mm.value_or(size.width_mm());
+  if (std::abs(size.width_mm() - wanted_mm) <= rounding * wanted_mm) return;
+  frontend.notice(
+      fmt::format("note: --width-mm {:g} is not a whole number of pixels of {:g} mm, the picture "
+                  "is {:g} mm wide",
+                  wanted_mm, size.pitch_mm, size.width_mm()));
+}
+
 /// Reads the picture and makes rows of it.
 job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult& result) {
   const job::Profile profile = options.machine.profile();
@@ -157,6 +168,7 @@ job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult
   frontend.phase("picture", fmt::format("{}: {} x {} pixels of {:g} mm, {:g} x {:g} mm",
                                         options.input, size.columns, size.rows, size.pitch_mm,
                                         size.width_mm(), size.height_mm()));
+  note_width(options, size, frontend);
   raster::RowOptions how;
   how.corner = corner_of(options, size, profile.settings);
   how.pitch_mm = size.pitch_mm;

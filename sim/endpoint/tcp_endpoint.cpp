@@ -1,6 +1,8 @@
 #include "sim/endpoint/tcp_endpoint.hpp"
 
+#include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
@@ -32,6 +34,18 @@ bool try_later(const boost::system::error_code& error) {
   throw std::system_error(error.value(), std::generic_category(), address);
 }
 
+/// A computer that was switched off or unplugged sends no end of its connection.
+void find_dead_connections(tcp::socket& socket) {
+  constexpr int silence_s = 15, interval_s = 5, end_ms = 30'000;
+  const auto set = [&socket](int level, int name, int value) {
+    ::setsockopt(socket.native_handle(), level, name, &value, sizeof value);
+  };
+  set(SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(IPPROTO_TCP, TCP_KEEPIDLE, silence_s);
+  set(IPPROTO_TCP, TCP_KEEPINTVL, interval_s);
+  set(IPPROTO_TCP, TCP_USER_TIMEOUT, end_ms);
+}
+
 }  // namespace
 
 TcpEndpoint::TcpEndpoint(const std::string& address) : server_(std::make_unique<Server>()) {
@@ -58,8 +72,9 @@ void TcpEndpoint::accept() {
   boost::system::error_code error;
   tcp::socket next(server_->context);
   server_->acceptor.accept(next, error);
-  if (error) return;
+  if (error || is_connected()) return;
   next.set_option(tcp::no_delay(true), error);
+  find_dead_connections(next);
   next.non_blocking(true, error);
   server_->client = std::move(next);
 }
@@ -88,6 +103,10 @@ std::size_t TcpEndpoint::write(std::span<const std::uint8_t> bytes) {
 
 bool TcpEndpoint::host_present() {
   accept();
+  return is_connected();
+}
+
+bool TcpEndpoint::is_connected() const {
   if (!server_->client.is_open()) return false;
   // The end of the stream, even where bytes before it have not been read.
   pollfd state{server_->client.native_handle(), POLLRDHUP, 0};

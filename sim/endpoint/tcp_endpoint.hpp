@@ -8,8 +8,9 @@
 
 namespace lamplock::sim {
 
-/// Listens on HOST:PORT. A host that connects replaces an earlier one, whose connection may have
-/// died without notice.
+/// Listens on HOST:PORT. While a host is connected, the connection of another one is closed at
+/// once: it must not end a job that runs. A connection that has died without notice ends after half
+/// a minute.
 class TcpEndpoint : public ByteEndpoint {
  public:
   /// With port 0 the system chooses one; address() returns it. Throws std::system_error if the
@@ -26,6 +27,7 @@ class TcpEndpoint : public ByteEndpoint {
 
  private:
   void accept();
+  bool is_connected() const;
   struct Server;
   std::unique_ptr<Server> server_;
 };

@@ -78,6 +78,7 @@ TEST(Diagnose, WrongInputIsOneLine) {
   refused({"diagnose", folder.write("c.ngc", "G21\n")}, "c.ngc");
   refused({"diagnose", file, "--picture", folder / "a.png"}, "a.png");
   refused({"diagnose", file, "--pulses", "0"}, "--pulses");
+  refused({"diagnose", file, "--feed", "600"}, "--feed");
   refused({"diagnose", file, "--time-constant", "nan"}, "--time-constant");
   refused({"diagnose", file, "--order", "3"}, "--order");
   refused({"diagnose", file, "--pulses", "1e9"}, "steps_per_mm_x");

@@ -64,6 +64,9 @@ TEST(Raster, options_do_what_they_say) {
   const auto fine = document({"--pitch-mm", "0.1"});
   EXPECT_EQ(fine["columns"], 200);
   EXPECT_EQ(fine["lines"], 400);
+  const Finished wider = run(raster(picture, {"-o", folder / "b.llj", "--pitch-mm", "3"}));
+  EXPECT_THAT(wider.err, HasSubstr("--width-mm 20 is not a whole number of pixels of 3 mm"));
+  EXPECT_THAT(wider.err, HasSubstr("the picture is 21 mm wide"));
   const auto one_way = document({"--one-way"});
   EXPECT_GT(one_way["seconds"].get<double>(), 1.2 * plain["seconds"].get<double>());
   const auto moved = document({"--origin", "-40,-30,-2", "--overscan-mm", "0"});

@@ -259,6 +259,12 @@ TEST(Estimate, refuses_jobs_it_cannot_run) {
   rows.header.mode = wire::mode_rows;
   EXPECT_NE(refusal_of([&] { estimate_job(rows); }).find("rows"), std::string::npos);
   EXPECT_NE(refusal_of([&] { estimate_job(job::Job{}); }), "");
+  job::Profile slow = job::default_profile();
+  job::set_speed(slow, 0.0002);
+  const job::Job far = job::make_job({{0, 0, 0}, {45, 45, 45}}, slow, {});
+  const std::string unreachable = refusal_of([&] { estimate_job(far); });
+  EXPECT_NE(unreachable.find("point 1: cannot be reached"), std::string::npos) << unreachable;
+  EXPECT_EQ(unreachable.find("--from"), std::string::npos) << "nothing was begun: " << unreachable;
 }
 
 }  // namespace

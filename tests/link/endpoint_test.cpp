@@ -215,13 +215,22 @@ TEST(TcpEndpoint, CarriesEveryByteBothWaysOverReconnects) {
     EXPECT_EQ(carry(all_bytes(), endpoint, transport), all_bytes());
     EXPECT_TRUE(transport.reconnect());
   }
-  // A second host replaces the first, which is disconnected.
+}
+
+TEST(TcpEndpoint, HasOneHostAtATime) {
+  TcpEndpoint endpoint("127.0.0.1:0");
+  std::optional<TcpTransport> first{std::in_place, endpoint.address()};
+  EXPECT_EQ(carry(all_bytes(), *first, endpoint), all_bytes());
   TcpTransport second(endpoint.address());
-  EXPECT_EQ(carry(all_bytes(), second, endpoint), all_bytes());
+  EXPECT_EQ(carry(all_bytes(), *first, endpoint), all_bytes());
   std::array<std::uint8_t, 10> bytes{};
-  transport.wait(1s);
-  transport.read(bytes);
-  EXPECT_FALSE(transport.connected());
+  second.wait(1s);
+  EXPECT_EQ(second.read(bytes), 0u);
+  EXPECT_FALSE(second.connected());
+  EXPECT_EQ(carry(all_bytes(), endpoint, *first), all_bytes());
+  first.reset();
+  EXPECT_TRUE(second.reconnect());
+  EXPECT_EQ(carry(all_bytes(), second, endpoint), all_bytes());
 }
 
 TEST(TcpTransport, BadAddressesAndUnusedOnesAreErrors) {

@@ -129,13 +129,13 @@ TEST(Weld, KeepsTheFirstPointsAtAnyDistance) {
 
 TEST(BoundsCheck, NamesTheFirstBadPointAndTheirNumber) {
   const geometry::Bounds space{{-50, -50, -50}, {50, 50, 50}};
-  PointCloud cloud{{50, -50, 0}, {0, 0, 0}};
+  PointCloud cloud{{50 + 5e-7, -50 - 5e-7, 0}, {0, 0, 0}};
   EXPECT_NO_THROW(points::check_bounds(cloud, space, "a.xyz"));
   cloud.push_back({0, 50.5, 0});
   cloud.push_back({0, 0, -51});
   EXPECT_THAT(error_of([&] { points::check_bounds(cloud, space, "a.xyz"); }),
               ::testing::AllOf(HasSubstr("a.xyz"), HasSubstr("2 of 4"), HasSubstr("point 2"),
-                               HasSubstr("(0, 50.5, 0)")));
+                               HasSubstr("(0, 50.5, 0)"), HasSubstr("fit x -50..50, y")));
   EXPECT_THAT(error_of([&] { points::check_bounds(cloud, space, "a.xyz", "the block"); }),
               HasSubstr("outside the block"));
   cloud[1].z = std::numeric_limits<double>::quiet_NaN();
