@@ -29,8 +29,8 @@ constexpr std::uint32_t nominal_tick_q16 = nominal_tick_q32 >> 16;
 
 }  // namespace
 
-void BeatClock::set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16) {
-  least_.set(tick_, from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16));
+void BeatClock::set_min_tick(std::uint64_t from_tick, std::uint32_t tick_q16) {
+  min_ticks_.set(tick_, from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16));
 }
 
 std::uint32_t BeatClock::ticks_in(std::uint32_t clocks) const {
@@ -80,7 +80,7 @@ std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int 
   }
   if (!moving) return length;
   // The lattice lags rather than motion exceeding its limits.
-  const std::uint32_t least = run_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
+  const std::uint32_t least = run_q16(min_ticks_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
   return length < least ? least : length;
 }
 

@@ -87,7 +87,7 @@ class BeatClock {
   void set_motion_end(std::uint64_t tick) { motion_end_tick_ = tick; }
   /// Motion from this tick on has limits for ticks that are at least this long (min_tick_q16()
   /// at that time); before it the previous value holds. `from_tick` begins a beat.
-  void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
+  void set_min_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
   /// Maximum ticks by which steps leave before the ticks that they are planned for; at rest only.
   void set_lead(std::uint32_t ticks) { lead_ticks_ = ticks; }
   /// Number of present ticks that take about as long as these clocks (main loop: divides).
@@ -140,7 +140,7 @@ class BeatClock {
   // Small rather than fast (cold): functions that the main loop calls occasionally.
   [[gnu::cold]] void set_gains(const settings::Values& values);
   [[gnu::cold]] void set_gates(const settings::Values& values);
-  [[gnu::cold]] void set_longest_tick(const settings::Values& values);
+  [[gnu::cold]] void set_max_tick(const settings::Values& values);
   void set_line(std::uint32_t edges);
   void next_gains();
   void choose_gains();
@@ -264,8 +264,8 @@ class BeatClock {
     std::array<Step, places> steps_{};
     std::uint32_t count_ = 1;
   };
-  Schedule<4> least_;    ///< no tick of motion is shorter
-  Schedule<12> length_;  ///< as master; the queue of segments may contain as many windows
+  Schedule<4> min_ticks_;  ///< no tick of motion is shorter
+  Schedule<12> length_;    ///< as master; the queue of segments may contain as many windows
   std::uint32_t max_tick_q16_ = full_tick_q16;
   /// Start times of the latest beats; an edge is reported up to some beats after its lattice tick
   /// has got its time.

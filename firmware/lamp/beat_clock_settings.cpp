@@ -51,7 +51,7 @@ void BeatClock::configure(const settings::Values& values) {
   lock_edges_ = static_cast<std::uint32_t>(values.whole(Id::lock_edges));
   set_gains(values);
   set_gates(values);
-  set_longest_tick(values);
+  set_max_tick(values);
   length_.reset(nominal_tick_q32);
   tick_q32_ = nominal_tick_q32;
   period_q16_ = nominal_q16_;
@@ -65,7 +65,7 @@ void BeatClock::configure(const settings::Values& values) {
   good_edges_ = line_edges_ = 0;
 }
 
-void BeatClock::set_longest_tick(const settings::Values& values) {
+void BeatClock::set_max_tick(const settings::Values& values) {
   max_tick_q16_ = full_tick_q16;
   if (mode_ != LampMode::master) return;
   std::int64_t spread_q16 = mul_div(values.milli(Id::period_tolerance), 65536, 100'000);

@@ -10,7 +10,7 @@
 //   receive, transmit   main loop             1 ms              bytes of the host
 //   receive_room        main loop             before receive    maximum size of the next receive
 //   lose_lines          main loop             on a loss         bytes of the host are missing
-//   set_host_present            main loop             1 ms              the host is present, or not
+//   set_host_present    main loop             1 ms              the host is present, or not
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was absent
 //   measure_sensor      main loop             before prepare    voltage of a temperature sensor
@@ -23,7 +23,7 @@
 //   stage               main loop             before commit     unmasked part of commit
 //   commit              main loop             after prepare     hands motion out
 //   part_waits          main loop             after commit      stage and commit again at once
-//   tell                main loop             1 ms              lines, answers
+//   service_host        main loop             1 ms              lines, answers
 //   input_changed       main loop             on change         switches (inputs.hpp), and the
 //                                                               position at the change for guarded
 //                                                               moves; at power-up for each active

@@ -143,7 +143,7 @@ void MachineEvents::cancel_jog() {
 }
 
 /// Homing ends with an alarm when the machine is at rest.
-void MachineEvents::break_off_homing(std::uint8_t alarm) {
+void MachineEvents::abort_homing_with_alarm(std::uint8_t alarm) {
   guard_.drop();
   homing_.abort(alarm);
   program_.abort_move(true);

@@ -91,10 +91,10 @@ void MachineEvents::perform_end(Effect effect) {
       return stop_program();
     case Effect::refuse_program:
       return refuse_program();
-    case Effect::break_off_homing:
-      return break_off_homing(alarm_homing_reset);
-    case Effect::break_off_homing_at_door:
-      return break_off_homing(alarm_homing_door);
+    case Effect::abort_homing_with_alarm:
+      return abort_homing_with_alarm(alarm_homing_reset);
+    case Effect::abort_homing_at_door:
+      return abort_homing_with_alarm(alarm_homing_door);
     case Effect::unlock:
       return unlock();
     case Effect::raise_alarm:
@@ -111,7 +111,7 @@ void MachineEvents::perform_end(Effect effect) {
       return program_.abort_move();
     case Effect::abort_homing:
       begin_reset();
-      return break_off_homing(alarm_homing_reset);
+      return abort_homing_with_alarm(alarm_homing_reset);
     case Effect::finish_job:
       // The edge may have occurred since prepare(): with state idle every shot must be visible.
       return runner_.read_outcomes();

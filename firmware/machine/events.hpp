@@ -76,7 +76,7 @@ class MachineEvents : public MachineParts {
   [[gnu::cold]] void begin_reset();
   [[gnu::cold]] void clear_for_reset();
   void cancel_jog();
-  void break_off_homing(std::uint8_t alarm);
+  void abort_homing_with_alarm(std::uint8_t alarm);
   void drop_homing(bool answers);
   [[gnu::cold]] void drop_open_line();
 };

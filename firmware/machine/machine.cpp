@@ -110,8 +110,8 @@ constexpr auto table = std::to_array<Transition>({
     row(any_hold | any_door | events(stop, cancel_jogs), states(running), of_jog, always, stopping,
         Effect::cancel_jog),
     row(any_hold | events(stop, cancel_jogs), states(running), of_homing, always, stopping,
-        Effect::break_off_homing),
-    row(any_door, states(running), of_homing, always, stopping, Effect::break_off_homing_at_door),
+        Effect::abort_homing_with_alarm),
+    row(any_door, states(running), of_homing, always, stopping, Effect::abort_homing_at_door),
 
     row(pause, states(idle) | active, of_program | of_none, door_open_now, door, Activity::program,
         Effect::none),

@@ -111,8 +111,8 @@ enum class Effect : std::uint8_t {
   end_job,  ///< by a reset, with a message
   stop_program,
   refuse_program,  ///< lines of a program that is checked
-  break_off_homing,
-  break_off_homing_at_door,
+  abort_homing_with_alarm,
+  abort_homing_at_door,
   unlock,
   raise_alarm,
   release_estop,

@@ -2,8 +2,8 @@
 //
 // In:  the payload of one DATA frame at a time, in order (the link ensures that).
 // Out: its lines and their runs, one by one: all of a frame, or none.
-// Who: the job of rows (machine/row_job.hpp), at main-loop level; runs from flash. Grey pixels of
-//      0.1 mm at 300 mm/s are 3000 runs a second.
+// Who: the job of rows (machine/activities/row_job.hpp), at main-loop level; runs from flash.
+// Budget: grey pixels of 0.1 mm at 300 mm/s are 3000 runs a second.
 //
 // A frame is parsed twice: check() parses all of it before take() passes anything on. The runs of a
 // line may be in several frames; they are passed on as they arrive.

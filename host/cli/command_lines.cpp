@@ -81,13 +81,18 @@ Json chip_json(const gpio::ChipInfo& chip, Console& console) {
           {"lines", std::move(lines)}};
 }
 
+[[noreturn]] void throw_no_line(const std::string& where) {
+  throw Error(Exit::bad_input, where, "no GPIO line is assigned to the board's pins",
+              "give --lines, or --machine with [lines]");
+}
+
 Exit show(const LinesOptions& options) {
   Console console(options.json);
   const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
   if (!options.file.empty() || !options.profile.empty()) {
-    const gpio::LineTable table = table_of(options);
-    console.document(
-        {{"library", gpio::library_version()}, {"table", table_json(*lines, table, console)}});
+    const Json table = table_json(*lines, table_of(options), console);
+    if (table.empty() && options.file.empty()) throw_no_line(options.profile);
+    console.document({{"library", gpio::library_version()}, {"table", table}});
     return Exit::done;
   }
   Json chips = Json::array();
@@ -126,10 +131,7 @@ void add_pull(Command& app, const std::shared_ptr<LinesOptions>& options, const 
   Command& command = app.add_command(name, help);
   add_file(command, *options);
   command.action([options, what, done, name = std::string(name)] {
-    if (options->file.empty() && options->profile.empty())
-      throw Error(Exit::bad_input, "lamplock lines " + name,
-                  "no GPIO line is assigned to the board's pins",
-                  "give --lines, or --machine with [lines]");
+    if (options->file.empty() && options->profile.empty()) throw_no_line("lamplock lines " + name);
     return pull(*options, what, done);
   });
 }

@@ -89,8 +89,8 @@ void add_burning(Command& app, RasterOptions& options) {
       .check(number_from(0, false))
       .common();
   add("--overscan-mm", &options.overscan_mm,
-      "Distance before and after each row to speed up and brake; default: the distance needed to "
-      "reach the feed rate",
+      "Distance before and after each row to speed up and brake, rounded up to whole pixels; "
+      "default: the distance needed to reach the feed rate",
       "MM")
       .check(number_from(0, true));
   add("--power-max", &options.power_max, "Laser power for black", "PERCENT")

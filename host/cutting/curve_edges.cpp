@@ -207,6 +207,12 @@ void append_circle(const model::Arc& arc, double turn, std::vector<Edge>& edges)
   }
 }
 
+/// The same curve with a parameter that grows along it, so that its speed is its direction.
+model::Arc with_growing_parameter(const model::Arc& arc) {
+  if (arc.end >= arc.start) return arc;
+  return {arc.centre, arc.u, {-arc.v.x, -arc.v.y, -arc.v.z}, -arc.start, -arc.end};
+}
+
 struct PieceEdges {
   double tolerance_mm;
   const model::Piece& piece;
@@ -222,12 +228,14 @@ struct PieceEdges {
     if (!(larger > 0)) return;
     const double off = std::max(std::abs(norm(u) - norm(v)), std::abs(dot(u, v)) / larger);
     if (off <= round_ratio * larger) return append_circle(arc, cross(u, v) > 0 ? 1 : -1, edges);
+    const model::Arc along = with_growing_parameter(arc);
+    const model::Piece forwards = along;
     // Quarter turns, each without an inflection.
-    const double sweep = arc.end - arc.start;
-    const double parts = std::max(1.0, std::ceil(std::abs(sweep) / (pi / 2)));
+    const double sweep = along.end - along.start;
+    const double parts = std::max(1.0, std::ceil(sweep / (pi / 2)));
     for (int i = 0; i < parts; ++i)
-      CurveFitter(piece, tolerance_mm, edges)
-          .fit({arc.start + sweep * i / parts, arc.start + sweep * (i + 1) / parts});
+      CurveFitter(forwards, tolerance_mm, edges)
+          .fit({along.start + sweep * i / parts, along.start + sweep * (i + 1) / parts});
   }
   void operator()(const model::Spline& spline) const {
     const std::vector<double> breaks = model::breaks_of(spline);

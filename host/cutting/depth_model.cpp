@@ -126,19 +126,4 @@ DepthFit fit_depth(const CutSetup& setup, const std::vector<MeasuredDepth>& meas
   return fit;
 }
 
-BestFeed best_feed(const std::vector<MeasuredDepth>& measured, double thickness_mm,
-                   double length_mm) {
-  if (measured.empty())
-    throw Error(Exit::bad_input, depth_model_place, "there are no measured depths",
-                "measure test cuts first");
-  BestFeed best;
-  for (const MeasuredDepth& one : measured) {
-    const int passes = passes_through(thickness_mm, one.depth_mm);
-    const double time_s = cut_time_s(length_mm, one.feed_mm_s, passes);
-    if (best.passes == 0 || time_s < best.time_s || (time_s == best.time_s && passes < best.passes))
-      best = {one, passes, time_s};
-  }
-  return best;
-}
-
 }  // namespace lamplock::cutting

@@ -13,7 +13,8 @@
 //
 // B and w correct it to measured depths. They hold for the measured feeds only: since w is below 1
 // for all materials of the source, the model always takes a faster cut for the better one, while
-// measured depths fall off. So best_feed() chooses among measured feeds.
+// measured depths fall off. So best_cut() (host/material/depth_fit.hpp) chooses among measured
+// feeds.
 #pragma once
 
 #include <variant>
@@ -82,16 +83,5 @@ struct DepthFit {
 /// Least squares of ln D over ln(P / v). Throws Error (bad_input) for less than two different feeds
 /// and for numbers that are not positive.
 DepthFit fit_depth(const CutSetup& setup, const std::vector<MeasuredDepth>& measured);
-
-struct BestFeed {
-  MeasuredDepth at;
-  int passes = 0;
-  double time_s = 0;
-};
-/// The measured feed with the shortest time for a cut of this length; of equal ones the one with
-/// fewer passes. It depends on the thickness, because passes are whole. Throws Error (bad_input) as
-/// passes_through(), and without measurements.
-BestFeed best_feed(const std::vector<MeasuredDepth>& measured, double thickness_mm,
-                   double length_mm);
 
 }  // namespace lamplock::cutting

@@ -129,8 +129,9 @@ class FittingLead {
 
 LeadError::LeadError(const std::string& what, double fitting_mm)
     : Error(Exit::bad_input, lead_place, what,
-            fitting_mm > 0 ? fmt::format("use a lead of {:g} mm, or none", fitting_mm)
-                           : "use no lead, or one of another shape or angle"),
+            fitting_mm > 0
+                ? fmt::format("use a lead of {:g} mm, which fits there, or none", fitting_mm)
+                : "use no lead, or one of another shape or angle"),
       fitting_mm_(fitting_mm) {}
 
 CutSheet::CutSheet(const std::vector<Contour>& contours) : tree_({}) {

@@ -26,8 +26,6 @@ struct PostText {
 std::vector<PostText> post_texts();
 std::vector<std::string> post_names();
 
-inline constexpr const char* default_post = "grbl";
-
 /// The templates of one of the names, or of a file whose name ends in .toml. Throws Error
 /// (bad_input) for an unknown name, and at file and line for unknown keys, values of another kind,
 /// and what template_fault() refuses; without lines for rapid, line, arc_cw and arc_ccw.

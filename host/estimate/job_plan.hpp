@@ -4,11 +4,11 @@
 // Out: every move of the plan, in order: its point, its beats, whether it ends with a shot.
 // Who: the estimate (estimate.hpp). Budget: a million points of a cloud in 10 s.
 //
-// Windows are cut and planned by the same classes as on the machine (machine/next_window.hpp,
-// machine/window_plan.hpp), with the input that they get from the job runner when no point is
-// missed, no hold occurs and the host is never late. The plan then depends on the points only and
-// is the same as the machine's. It has no clock: jobs in which the machine waits for shutter or
-// attenuator between two points cannot be planned here.
+// Windows are cut and planned by the same classes as on the machine (in
+// machine/runners: next_window.hpp, window_plan.hpp), with the input that they get from the job
+// runner when no point is missed, no hold occurs and the host is never late. The plan then depends
+// on the points only and is the same as the machine's. It has no clock: jobs in which the machine
+// waits for shutter or attenuator between two points cannot be planned here.
 #pragma once
 
 #include <cstddef>

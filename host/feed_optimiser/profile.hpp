@@ -39,9 +39,8 @@ struct Profile {
   std::size_t rise = 0, level = 0;  ///< steps with growing, and with constant acceleration
   double scale = 1;                 ///< of the jerk, so that the block ends at its end
   // printed
-  double switch_jerk = 0;    ///< from which the law is subtracted in braking, mm/s3
-  double correction_mm = 0;  ///< added in the second half of braking
-  double missed_mm = 0;      ///< by the simulated braking
+  double switch_jerk = 0;  ///< from which the law is subtracted in braking, mm/s3
+  double missed_mm = 0;    ///< by the simulated braking
 
   std::size_t steps() const { return accelerate + hold + brake; }
 };

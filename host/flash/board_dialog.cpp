@@ -62,7 +62,7 @@ std::string version_at_rest(link::Transport& transport, const std::string& where
   link::LinePort port(transport);
   const link::BoardStatus status =
       ask_status(port, where, asked == Asked::to_be_sure ? patience_with_jobs : patience);
-  // As the firmware judges `$BOOT`: machine/controller_text.cpp.
+  // As the firmware judges `$BOOT`: machine/console_commands.cpp.
   if (!status.is("Idle") && !status.is("Alarm"))
     throw Error(Exit::job_failed, where, fmt::format("is not idle ({})", status.state),
                 "wait for the end of the job or stop it, then flash");

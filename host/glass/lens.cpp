@@ -12,11 +12,9 @@ namespace {
 
 // Welding distances of "Mechatronic positioning of a pulsed laser beam in devices forming 3-D
 // objects in glass".
-constexpr std::array known{Lens{"f43", 43, 0.09}, Lens{"f70", 70, 0.13}};
+constexpr std::array known{Lens{"f43", 0.09}, Lens{"f70", 0.13}};
 
 }  // namespace
-
-std::span<const Lens> lenses() { return known; }
 
 std::vector<std::string> lens_names() {
   std::vector<std::string> names;

@@ -1,10 +1,9 @@
 // The lens, which limits the spacing of defects.
 //
-// In:  a name. Out: focal length and recommended distance of points, which becomes the default of
-//      the spacing. Who: descriptions of jobs.
+// In:  a name. Out: recommended distance of points, which becomes the default of the spacing.
+// Who: descriptions of jobs.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,13 +13,10 @@ namespace lamplock::glass {
 /// A focusing lens.
 struct Lens {
   std::string_view name;
-  double focal_mm;
   double spacing_mm;  ///< points closer than this merge
 };
 
-/// All lenses with a name.
-std::span<const Lens> lenses();
-/// Their names.
+/// Names of all lenses.
 std::vector<std::string> lens_names();
 /// A lens by its name. Throws Error(bad_input) for an unknown one.
 const Lens& lens_named(const std::string& name);

@@ -23,7 +23,7 @@ class Pulled {
   Pulled& operator=(const Pulled&) = delete;
 
   /// Throws Error(no_device) if the line was lost: the pulse at the board is unknown then.
-  void let_go() {
+  void release() {
     if (!output_->set(false))
       throw Error(Exit::no_device, place_, "the line was lost during a reset",
                   "plug its chip in again and repeat the command");
@@ -44,7 +44,7 @@ const LineRequest& wired(const std::optional<LineRequest>& line, const char* rol
 void pulse_run(Lines& lines, const LineTable& table, const Sleep& sleep) {
   Pulled run(lines, wired(table.run, "run", "RUN"));
   sleep(reset_pulse);
-  run.let_go();
+  run.release();
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ void enter_loader(Lines& lines, const LineTable& table, const Sleep& sleep) {
   Pulled bootsel(lines, wired(table.bootsel, "bootsel", "BOOTSEL"));
   pulse_run(lines, table, sleep);
   sleep(boot_select_hold);
-  bootsel.let_go();
+  bootsel.release();
 }
 
 void real_sleep(std::chrono::milliseconds time) { std::this_thread::sleep_for(time); }

@@ -1,7 +1,8 @@
 // Roles of the computer's lines.
 //
 // In:  a file (read_line_table.hpp). Out: requests by role.
-// Who: the guard of jobs (guard.hpp), reset and boot lines (board_lines.hpp), the command line.
+// Who: inputs and outputs of a job (safety_inputs.hpp), reset and boot lines (board_lines.hpp), the
+//      command line.
 #pragma once
 
 #include <chrono>

@@ -2,8 +2,8 @@
 //
 // In:  requests by a line's name or its chip and number. Out: levels and edges. An unplugged chip
 //      is an ordinary event, reported by a value; only a request for a line throws.
-// Who: the guard of a running job (guard.hpp), reset and boot lines (board_lines.hpp), the list of
-//      lines. Implemented with libgpiod (host_lines.hpp); in tests by a model.
+// Who: inputs and outputs of a job (safety_inputs.hpp), reset and boot lines (board_lines.hpp), the
+//      list of lines. Implemented with libgpiod (host_lines.hpp); in tests by a model.
 //
 // Levels are logical: active or not, after `active_low`.
 #pragma once

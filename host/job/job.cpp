@@ -48,8 +48,8 @@ wire::Target pause_at(const wire::Target& target, std::uint16_t beats) {
   return {target.steps, beats, 0, 0, 0};
 }
 
-/// A pause of the firmware lasts at most 8192 beats, and 2147 s (motion/reach.hpp); a longer one is
-/// made of several.
+/// A pause of the firmware lasts at most 8192 beats, and 2147 s (motion/profile/reach.hpp); a
+/// longer one is made of several.
 void add_pause(std::vector<wire::Target>& targets, std::uint16_t beats) {
   constexpr std::uint16_t longest = 2000;
   for (std::uint16_t left = beats; left != 0;) {

@@ -128,6 +128,20 @@ bool is_aside(const std::string& line) {
 
 }  // namespace
 
+namespace {
+
+/// A held board answers a line only after those before it, but reports its status at once.
+std::optional<BoardStatus> status_in_time(LinePort& port) {
+  constexpr Time status_timeout{500'000};
+  port.send_realtime(realtime::status);
+  const Time until = port.transport().now() + status_timeout;
+  while (const auto heard = receive_until(port, until))
+    if (auto status = parse_status(*heard)) return status;
+  return std::nullopt;
+}
+
+}  // namespace
+
 void expect_connected(LinePort& port) {
   if (!port.transport().connected())
     throw Error(Exit::no_device, "machine", "the connection broke",
@@ -153,6 +167,7 @@ Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
     until = port.transport().now() + patience.timeout;
     answer.lines.push_back(std::move(*heard));
   }
+  if (!status) status = status_in_time(port);
   if (status && !status->rests()) {
     const NotReady reason = why_not_ready(*status, port.transport().board(), Homing::unknown);
     throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);

@@ -83,6 +83,9 @@ bool is_hold_at(std::string_view line, std::size_t at) {
   return comment == 0 || (comment == '(' && at + 1 == line.size());
 }
 
+constexpr const char* realtime_remedy =
+    "remove it; a real-time command is a line alone, 0x18 is the word :reset";
+
 /// A word of letters alone, which no G-code begins with.
 bool is_plain_word(std::string_view word) {
   constexpr std::size_t min_letters = 3;
@@ -120,9 +123,7 @@ void LineConsole::type(const std::string& line) {
   if (text.ends_with('\r')) text.remove_suffix(1);
   const std::string where = fmt::format("line {}", typed_);
   if (!byte) refuse_word(line, where);
-  queue_.push_back(
-      {typed_, byte ? std::string(text)
-                    : line_to_send(text, where, "remove it; a real-time command is a line alone")});
+  queue_.push_back({typed_, byte ? std::string(text) : line_to_send(text, where, realtime_remedy)});
 }
 
 /// Beside a laser, a user who types `!` means a hold, whatever else the line has.
@@ -183,7 +184,8 @@ void LineConsole::take(const std::string& line) {
       if (waiting_ == Waiting::status) waiting_ = Waiting::nothing;
       show_(line);
     }
-    if (status->waits()) send_word_behind_pause();
+    if (status->waits()) send_word_after_pause();
+    if (status->waits()) note_pause(*status);
     at_rest_ = rest_asked_at_ && done() && status->is_at_rest();
     if (at_rest_ && status->waits() && !status->is("Tool") && !hold_is_expected_)
       fail_held(*status);
@@ -224,7 +226,7 @@ void LineConsole::send_next() {
 
 /// The machine waits for a resume and has not answered the current line, a pause of the program.
 /// The next word of the script may be that resume.
-void LineConsole::send_word_behind_pause() {
+void LineConsole::send_word_after_pause() {
   if (!in_order_ || waiting_ != Waiting::answer || queue_.empty()) return;
   const auto byte = realtime_word(queue_.front().text);
   if (!byte) return;
@@ -232,11 +234,25 @@ void LineConsole::send_word_behind_pause() {
   send_byte(*byte);
 }
 
+/// In the last line of a script it ends the conversation; before others the user must know of it.
+void LineConsole::note_pause(const BoardStatus& status) {
+  if (!in_order_ || waiting_ != Waiting::answer) return;
+  if (queue_.empty() && input_ended_) {
+    waiting_ = Waiting::nothing;
+    return;
+  }
+  if (queue_.empty() || realtime_word(queue_.front().text)) return;
+  if (std::exchange(noted_line_, current_.number) == current_.number) return;
+  show_(fmt::format("the machine waits in line {} ({}): resume it at the machine, or Ctrl-C ends",
+                    current_.number, status.state));
+}
+
 void LineConsole::send_byte(std::uint8_t byte, const std::string& discarded) {
   port_.send_realtime(byte);
   sent_at_ = heard_at_ = port_.transport().now();
   if (byte == realtime::hold) hold_is_expected_ = true;
   if (byte == realtime::resume || byte == realtime::reset) hold_is_expected_ = false;
+  if (byte == realtime::resume) noted_line_ = current_.number;  // a report may come from before it
   if (byte == realtime::status) {
     ++reports_asked_;
     if (in_order_ && waiting_ == Waiting::nothing) waiting_ = Waiting::status;

@@ -9,7 +9,7 @@
 // has `!` in it, or ends in a word that stops the machine, stops it; the rest of it is discarded.
 // In order, for scripts: words wait in the queue like lines, and the first error or alarm ends the
 // conversation; but while the machine pauses within a line, the word after this line is sent, or
-// the machine would wait for ever.
+// the machine would wait for ever. A pause in the last line ends the conversation.
 #pragma once
 
 #include <chrono>
@@ -75,7 +75,8 @@ class LineConsole {
   void fail(const std::string& text, const char* remedy = "later lines were not sent");
   void fail_held(const BoardStatus& status);
   void send_next();
-  void send_word_behind_pause();
+  void send_word_after_pause();
+  void note_pause(const BoardStatus& status);
   void send_byte(std::uint8_t byte, const std::string& discarded = "");
   bool stop_by(std::string_view line);
   void refuse_word(const std::string& line, const std::string& where) const;
@@ -89,6 +90,7 @@ class LineConsole {
   Show show_;
   std::deque<Typed> queue_;
   Typed current_{0, ""};
+  std::size_t noted_line_ = 0;  ///< the line whose pause was shown
   std::size_t typed_ = 0;
   Waiting waiting_ = Waiting::nothing;
   /// In order: the machine may be held at the end. True at the start, after a hold and after a

@@ -54,6 +54,7 @@ bool LineSender::step() {
   if (phase_ == Phase::streaming) run_host_line();
   if (phase_ == Phase::streaming) check_end();
   if (phase_ == Phase::streaming) check_answers();
+  if (phase_ == Phase::alarmed) await_rest_in_alarm();
   if (phase_ == Phase::stopping) insist_on_stop();
   if (phase_ == Phase::ended) {
     if (stop_error_) std::rethrow_exception(stop_error_);
@@ -146,6 +147,7 @@ void LineSender::take_status(BoardStatus status) {
   note_done_at_rest();
   // A program that begins with $H or $X ends the alarm by its first line.
   const bool ends_alarm = unlocks_ && answered_ == 0;
+  if (phase_ == Phase::alarmed) stop_by_ = port_.transport().now() + options_.status_timeout;
   if (status_.is("Alarm") && phase_ == Phase::streaming && !ends_alarm) end(LineEnd::alarm);
 }
 
@@ -180,6 +182,7 @@ void LineSender::take_answer(int error) {
   idle_reports_ = still_reports_ = 0;
   idle_short_ = false;
   if (error != 0) return take_error(error);
+  accepted_ = answered_;
   if (runs_at_rest(lines_[answered_ - 1].text)) done_ = answered_;
 }
 
@@ -194,17 +197,25 @@ std::size_t LineSender::index_of(std::size_t number) const {
 
 /// Errors between the first one and the stop are its consequences and not reported.
 void LineSender::take_error(int error) {
-  if (phase_ == Phase::stopping) return;
+  if (phase_ != Phase::streaming) return;
   errors_.push_back({lines_[answered_ - 1].number, error, answered_ - 1});
   if (!options_.ignore_errors) begin_stop(LineEnd::error);
 }
 
 void LineSender::take_alarm(int number) {
   alarm_ = number;
-  end(LineEnd::alarm);
+  if (phase_ == Phase::alarmed) return;
+  phase_ = Phase::alarmed;
+  port_.drop_lines();
+  stop_host_line();
+  const Time now = port_.transport().now();
+  asked_before_ = asked_;
+  stop_by_ = now + options_.status_timeout;
+  asked_at_ = now - options_.status_timeout;  // ask at once
 }
 
 void LineSender::take_banner() {
+  if (phase_ == Phase::alarmed) return end(LineEnd::alarm);
   if (phase_ == Phase::stopping && reset_) return finish_stop();
   end(LineEnd::restarted);
 }
@@ -302,7 +313,7 @@ LineSender::Time LineSender::answers_due() const {
 
 void LineSender::hold() {
   is_held_early_ = phase_ == Phase::greeting;
-  if (phase_ == Phase::streaming) port_.send_realtime(realtime::hold);
+  if (phase_ == Phase::streaming || phase_ == Phase::alarmed) port_.send_realtime(realtime::hold);
 }
 
 /// A hold that came before the first line: the board receives it before any line. A locked machine
@@ -322,7 +333,7 @@ void LineSender::resume() {
 
 void LineSender::stop() {
   if (phase_ == Phase::greeting) return end(LineEnd::stopped);
-  if (phase_ == Phase::streaming) begin_stop(LineEnd::stopped);
+  if (phase_ == Phase::streaming || phase_ == Phase::alarmed) begin_stop(LineEnd::stopped);
 }
 
 void LineSender::break_off() {
@@ -346,7 +357,8 @@ bool LineSender::send_users_line(std::string_view text) {
 }
 
 void LineSender::fail(std::exception_ptr error) {
-  if (phase_ == Phase::streaming) return begin_stop(LineEnd::stopped, std::move(error));
+  if (phase_ == Phase::streaming || phase_ == Phase::alarmed)
+    return begin_stop(LineEnd::stopped, std::move(error));
   if (phase_ != Phase::stopping) std::rethrow_exception(error);
   if (!stop_error_) stop_error_ = std::move(error);
 }
@@ -380,7 +392,7 @@ LineResult LineSender::result() const {
   result.end = end_;
   result.sent = sent_;
   result.answered = answered_;
-  result.last_line = answered_ == 0 ? 0 : lines_[answered_ - 1].number;
+  result.last_line = accepted_ == 0 ? 0 : lines_[accepted_ - 1].number;
   result.at_line = at_line_;
   result.errors = errors_;
   result.alarm = alarm_;

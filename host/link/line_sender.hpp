@@ -17,6 +17,10 @@
 // When a program ends early - by the user, an error, a fault of the host - the sender holds the
 // board (`!`) and resets it (0x18) at rest, which drops the lines in its buffers without losing its
 // position. The sender ends only after the board has restarted, or is in alarm.
+//
+// After the message of an alarm the lines that the board has accepted before may still move the
+// machine: the program ends when a status report says that it is in alarm, at rest, or when no
+// report comes any more.
 #pragma once
 
 #include <chrono>
@@ -86,7 +90,7 @@ struct LineResult {
   LineEnd end = LineEnd::done;
   std::size_t sent = 0;       ///< lines
   std::size_t answered = 0;   ///< lines
-  std::size_t last_line = 0;  ///< number in the file of the last line answered; 0 = none
+  std::size_t last_line = 0;  ///< number in the file of the last line accepted; 0 = none
   std::size_t at_line = 0;    ///< number in the file of the last line executed; 0 = not reported
   std::vector<LineError> errors;
   int alarm = 0;       ///< 0 = not reported
@@ -151,7 +155,7 @@ class LineSender {
 
  private:
   using Time = std::chrono::microseconds;
-  enum class Phase : std::uint8_t { greeting, streaming, stopping, ended };
+  enum class Phase : std::uint8_t { greeting, streaming, alarmed, stopping, ended };
 
   void begin();
   void number_lines();
@@ -184,6 +188,7 @@ class LineSender {
   void check_end();
   void check_answers();
   Time answers_due() const;
+  void await_rest_in_alarm();
   void begin_stop(LineEnd how, std::exception_ptr error = {});
   void insist_on_stop();
   void finish_stop();
@@ -198,6 +203,7 @@ class LineSender {
 
   std::size_t sent_ = 0;             ///< lines, counted as in lines_
   std::size_t answered_ = 0;         ///< the same
+  std::size_t accepted_ = 0;         ///< the same, up to the last one without an error
   std::size_t bytes_under_way_ = 0;  ///< of lines_[answered_ .. sent_)
   std::size_t at_line_ = 0;          ///< last line that a status named; 0 = none
   std::size_t at_ = 0;               ///< its index
@@ -229,7 +235,7 @@ class LineSender {
   LineEnd end_ = LineEnd::done;
   LineEnd stop_end_ = LineEnd::stopped;
   std::exception_ptr stop_error_;
-  Time stop_by_{}, urged_at_{};
+  Time stop_by_{}, urged_at_{};  ///< stop_by_: of an alarm, until its next report
   bool held_ = false;   ///< while stopping: a report requested after `!` says that it is at rest
   bool reset_ = false;  ///< while stopping: 0x18 has been sent
   int alarm_ = 0;

@@ -9,6 +9,12 @@
 #include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
+namespace {
+
+/// "Grbl v1.1 Interface", alarms: the target of a motion is outside the work space.
+constexpr int alarm_outside = 2;
+
+}  // namespace
 
 /// Begins to stop the machine.
 void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
@@ -24,6 +30,15 @@ void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
   asked_before_ = asked_;
   stop_by_ = now + options_.stop_timeout;
   if (!status_open_) asked_at_ = now - options_.status_interval;  // ask at once
+}
+
+/// Lines that were accepted before the alarm move the machine to their end. Some boards send no
+/// report in an alarm.
+void LineSender::await_rest_in_alarm() {
+  const bool rests = fresh() && (status_.is("Alarm") || status_.rests());
+  // This firmware executes the lines before one whose target is outside, so that none is under way.
+  if (rests && is_numbered_ && alarm_ == alarm_outside) at_line_ = 0;
+  if (rests || port_.transport().now() >= stop_by_) end(LineEnd::alarm);
 }
 
 /// Repeats the hold until the machine is at rest, then the reset until it reports a restart.
@@ -60,7 +75,7 @@ void LineSender::throw_not_stopped() {
   throw NotStopped(
       Exit::job_failed, "machine",
       fmt::format("could not be stopped{}; it may still move and fire; the last line it "
-                  "answered is {}",
+                  "accepted is {}",
                   why, result().last_line),
       "press its emergency stop or switch it off");
 }

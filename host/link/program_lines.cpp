@@ -219,7 +219,7 @@ std::string realtime_fault(std::string_view text) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == del || (byte < ' ' && byte != '\t' && !wire::is_realtime(byte)))
-      return fmt::format("the byte 0x{:02X} outside of a comment is no character of a program",
+      return fmt::format("the byte 0x{:02X} outside of a comment is not a character of a program",
                          byte);
     if (wire::is_realtime(byte) || byte >= 0x80)
       return fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte);

@@ -206,7 +206,7 @@ CardLayout lay_out_card(const CardRequest& request) {
   if (request.kind == CardKind::kerf) lay_out_kerf(request, layout);
   if (layout.width_mm > request.max_width_mm || layout.height_mm > request.max_height_mm)
     throw Error(Exit::bad_input, card_place_name,
-                fmt::format("it is {:g} x {:g} mm, the work area {:g} x {:g} mm", layout.width_mm,
+                fmt::format("it is {:g} x {:g} mm, the work space {:g} x {:g} mm", layout.width_mm,
                             layout.height_mm, request.max_width_mm, request.max_height_mm),
                 "give fewer feeds, powers or passes, or the profile of a larger machine");
   return layout;

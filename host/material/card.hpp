@@ -1,6 +1,6 @@
 // Test cards: programs that cut at many feeds, powers and passes, each with an engraved label.
 //
-// In:  feeds, powers, numbers of passes; the machine's work area and its S of full power.
+// In:  feeds, powers, numbers of passes; the machine's work space and its S of full power.
 // Out: the places of the cuts, the program. Who: `lamplock material card`.
 //
 //   depth  a rounded rectangle of 60 x 20 mm for each combination; the depth of its groove is
@@ -39,7 +39,7 @@ struct CardRequest {
   double cell_mm = 10;                         ///< grid: side of a square
   int slats = 10;                              ///< kerf
   double pitch_mm = 5, slat_length_mm = 30;    ///< kerf: distance of the cuts, their length
-  double max_width_mm = 0, max_height_mm = 0;  ///< of the work area
+  double max_width_mm = 0, max_height_mm = 0;  ///< of the work space
 };
 
 /// Where a combination is cut.

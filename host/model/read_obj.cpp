@@ -53,8 +53,8 @@ class ObjReader {
 
   void end() {
     number_ = max_line_;
-    if (highest_ > vertices_.size())
-      damaged(fmt::format("a face names vertex {} of {}", highest_, vertices_.size()));
+    if (max_vertex_ > vertices_.size())
+      damaged(fmt::format("a face names vertex {} of {}", max_vertex_, vertices_.size()));
     std::size_t begin = 0;
     for (const Face& one : faces_) {
       add_face(one, begin);
@@ -111,8 +111,8 @@ class ObjReader {
       damaged(fmt::format("'{:.20}' is not a vertex from 1 to {}", field, count));
     Corner corner;
     corner.vertex = static_cast<std::uint32_t>(*index > 0 ? *index - 1 : count + *index);
-    if (corner.vertex >= highest_) {
-      highest_ = corner.vertex + std::size_t{1};
+    if (corner.vertex >= max_vertex_) {
+      max_vertex_ = corner.vertex + std::size_t{1};
       max_line_ = number_;
     }
     if (slash == field.size()) return corner;
@@ -182,7 +182,7 @@ class ObjReader {
 
   const path& file_;
   MeshBuilder& mesh_;
-  std::size_t number_ = 0, highest_ = 0, max_line_ = 0;
+  std::size_t number_ = 0, max_vertex_ = 0, max_line_ = 0;
   std::vector<geometry::Point> vertices_, polygon_;
   std::vector<float> lights_;  // of vertices; shorter if the last ones have no colour
   std::vector<TexturePlace> places_;

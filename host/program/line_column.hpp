@@ -2,7 +2,7 @@
 // without comments, with numbers in place of values, an O-word without blanks.
 //
 // In:  a line that is executed, a column of it. Out: the column in the file.
-// Who: program_flow.cpp; `check` and `send`, for errors of lines that have been executed.
+// Who: `check` and `send`, for errors of lines that the host has executed.
 #pragma once
 
 #include <cstddef>

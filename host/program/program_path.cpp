@@ -7,6 +7,7 @@
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/file_line.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/text.hpp"
@@ -188,9 +189,10 @@ std::vector<PathStep> program_path(std::string_view text, const settings::Values
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     if (trimmed(line).empty() || is_board_line(trimmed(line))) continue;
-    if (const program::Fault fault = interpreter.run(line); fault) {
+    const FileLine read(line);
+    if (const program::Fault fault = read.run(interpreter); fault) {
       const LineFault seen =
-          describe_fault(line, fault, values.whole(settings::Id::axes), &interpreter);
+          describe_fault(read.text(), fault, values.whole(settings::Id::axes), &interpreter);
       throw Error(Exit::bad_input, fmt::format("{}:{}", file, number),
                   fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
                   seen.remedy.empty() ? "correct the line" : seen.remedy);

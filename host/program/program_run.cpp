@@ -7,15 +7,14 @@
 
 #include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
-#include "host/gcode_comments.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/file_line.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/program/line_thread.hpp"
 #include "host/text.hpp"
 #include "shared/units.hpp"
-#include "shared/wire/framing.hpp"
 #include "shared/wire/run_pace.hpp"
 #include "shared/wire/runs.hpp"
 #include "shared/work_space.hpp"
@@ -79,6 +78,8 @@ class Machine {
     }
     return true;
   }
+
+  bool has_moved() const { return !dwelt_us_.empty() || run_.outside != 0; }
 
   /// After each line without an error.
   void note_modes(const program::Modal& modal, std::size_t line) {
@@ -263,21 +264,36 @@ class Machine {
   ProgramRun run_;
 };
 
-/// A board reports its position in steps; the program's position may differ by up to half a step.
-/// An arc as the first motion may be valid from there only.
-program::Fault run_beside(program::Interpreter& interpreter, std::string_view line,
-                          const program::Place& start_e7, const settings::Values& values) {
+/// How far the position of a program may be from the one that a board reports in steps.
+std::int64_t beside_e7(const settings::Values& values, int axis) {
   constexpr std::int64_t half_e7 = program::one_e7 * 1000 / 2, report_e7 = program::one_e7 / 2000;
+  return half_e7 / values.milli(Id::steps_per_mm_x, axis) + report_e7;
+}
+
+/// An arc as the first motion may be valid only from a place beside the one that the board reports,
+/// where its program is. An arc that ends where it begins is not: it would be valid by chance.
+program::Fault run_beside(program::Interpreter& interpreter, std::string_view line,
+                          const program::Fault& fault, const program::Place& start_e7,
+                          const settings::Values& values) {
   constexpr int places = 27;
-  program::Fault fault;
+  const int axes = std::min(3, values.whole(Id::axes));
+  const auto ends_away = [&] {
+    const program::Place end_e7 = interpreter.machine_e7();
+    for (int axis = 0; axis < axes; ++axis)
+      if (std::abs(end_e7[index(axis)] - start_e7[index(axis)]) > beside_e7(values, axis))
+        return true;
+    return false;
+  };
   for (int i = 0; i < places; ++i) {
     program::Place place = start_e7;
-    for (int axis = 0, rest = i; axis < std::min(3, values.whole(Id::axes)); ++axis, rest /= 3)
-      place[index(axis)] +=
-          (rest % 3 - 1) * (half_e7 / values.milli(Id::steps_per_mm_x, axis) + report_e7);
+    for (int axis = 0, rest = i; axis < axes; ++axis, rest /= 3)
+      place[index(axis)] += (rest % 3 - 1) * beside_e7(values, axis);
     interpreter.set_position(place);
-    fault = interpreter.run(line);
-    if (!fault) return fault;
+    if (interpreter.run(line)) continue;
+    if (interpreter.has_extent() && ends_away()) return {};
+    Action ignored;
+    while (interpreter.next(ignored)) {
+    }
   }
   interpreter.set_position(start_e7);
   return fault;
@@ -315,12 +331,12 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
   }
   if (board != nullptr && (state == nullptr || !board->space_known)) machine.pass_outside();
   if (board != nullptr) machine.change_speed(board->changes);
-  const auto run_line = [&](std::string_view line) {
-    const program::Fault fault = interpreter.run(line);
+  const auto run_line = [&](const FileLine& line) {
+    const program::Fault fault = line.run(interpreter);
     const bool of_arc =
         fault.error == GcodeError::bad_target || fault.error == GcodeError::bad_radius;
-    if (!of_arc || state == nullptr || interpreter.machine_e7() != state->machine_e7) return fault;
-    return run_beside(interpreter, line, state->machine_e7, values);
+    if (!of_arc || state == nullptr || machine.has_moved()) return fault;
+    return run_beside(interpreter, line.text(), fault, state->machine_e7, values);
   };
   ProgramRun& run = machine.result();
   std::size_t last_line = 0;
@@ -338,15 +354,12 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     if (run.problems.size() >= max_problems) break;
     if (is_board_line(trimmed(line)) || !fault_of_text.empty()) continue;
     ++run.lines;
-    program::Fault fault;
-    if (line.size() > wire::max_line && without_comments(line).size() > wire::max_line)
-      fault = {GcodeError::line_too_long, static_cast<std::uint16_t>(wire::max_line + 1)};
-    else
-      fault = run_line(line);
+    const FileLine read(line);
+    const program::Fault fault = run_line(read);
     if (fault) {
-      const LineFault seen = describe_fault(line, fault, run.axes, &interpreter);
-      run.problems.push_back(
-          {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+      const LineFault seen = describe_fault(read.text(), fault, run.axes, &interpreter);
+      run.problems.push_back({number, static_cast<unsigned>(read.column(fault.column)),
+                              static_cast<int>(fault.error), seen.text, seen.remedy});
       nurbs_is_reported =
           interpreter.state().nurbs.count != 0 && fault.error == GcodeError::unsupported;
       // Otherwise every line after a corner that is too narrow would have its error.

@@ -3,7 +3,7 @@
 // In:  its text, the drives: pulses, lengths, encoder, dynamics of the position loop.
 // Out: at equal times, per axis, the position of the program, of the pulses and of the encoder; the
 //      positions at the end.
-// Who: `lamplock diagnose` (report/servo_errors.hpp makes a table of it); tests.
+// Who: `lamplock diagnose` (servo_errors.hpp makes a table of it); tests.
 //
 // The defaults are the machine of a Polish paper on the programmed synchronisation of two AC servo
 // drives: 512 pulses and 2048 counts a revolution of 78 mm. The table of errors in the paper does

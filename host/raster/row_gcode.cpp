@@ -37,10 +37,11 @@ class Writer {
       : job_(job), form_(form), full_s_(in_units(job.settings, Id::max_spindle_speed)) {}
 
   std::string program() {
-    text_ = "(Rows of pixels, by lamplock raster)\nG21 G90 G94\nM4 S0\n";
+    text_ = "(Rows of pixels, by lamplock raster)\nG21 G90 G94\n";
+    text_ += job_.header.dry ? "M5\n" : "M4 S0\n";
     for (const job::Line& line : job_.rows.lines) {
       if (line.to.light)
-        form_ == PowerForm::lists ? add_lists(line) : add_stretches(line);
+        add_row(line);
       else
         text_ += "G0" + place(line.to.steps) + "\n";
       at_ = line.to.steps;
@@ -95,6 +96,17 @@ class Writer {
     text_ += fmt::format("G1 X{}", number(mm(to, 0), max_decimals));
     if (std::exchange(feed_milli_, line.to.feed_milli) != line.to.feed_milli)
       text_ += fmt::format(" F{}", number(line.to.feed_milli / milli_per_unit, 3));
+  }
+
+  void add_row(const job::Line& line) {
+    if (job_.header.dry) {
+      add_move(line, 1);
+      text_ += "\n";
+    } else if (form_ == PowerForm::lists) {
+      add_lists(line);
+    } else {
+      add_stretches(line);
+    }
   }
 
   /// A line of text for each stretch of one power.

@@ -15,7 +15,8 @@ namespace lamplock::raster {
 enum class PowerForm : std::uint8_t { plain, lists };
 
 /// The same lines with the same cells, in work coordinates equal to machine coordinates. Lists too
-/// long for one line of text are split between cells.
+/// long for one line of text are split between cells. A dry job becomes a program without light:
+/// its rows have no powers, and the laser is off.
 std::string row_gcode(const job::Job& job, PowerForm form);
 
 }  // namespace lamplock::raster

@@ -123,10 +123,6 @@ std::string date_text(std::chrono::system_clock::time_point when) {
 
 std::string statistics_names() { return line_of(names()); }
 
-std::string statistics_line(const Report& report, const std::string& end, const std::string& date) {
-  return line_of(values(report, end, date));
-}
-
 void check_statistics(const std::filesystem::path& file) {
   begun_file(file);
   check_appendable(file);

@@ -19,9 +19,8 @@ namespace lamplock::report {
 /// "2026-03-28T09:30:00Z": ISO 8601, universal time.
 std::string date_text(std::chrono::system_clock::time_point when);
 
-/// The line of names, and that of a job; both with their end of line. Unknown numbers are empty.
+/// The line of names, with its end of line.
 std::string statistics_names();
-std::string statistics_line(const Report& report, const std::string& end, const std::string& date);
 
 /// Throws lamplock::Error (bad_input) if the file exists and is not a statistics file, or if it
 /// cannot be written.

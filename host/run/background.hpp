@@ -1,7 +1,7 @@
-// One computation beside the caller, which must not wait: it keeps a machine busy.
+// Runs one computation in the background, for a caller that must not wait.
 //
-// In:  a function that uses nothing of the caller. Out: its result, once. Who: times that are left
-//      (remaining_time.hpp, program_time.hpp).
+// In:  a function that uses nothing of the caller. Out: its result, once.
+// Who: remaining times of jobs and programs; the server, for its computations and its history.
 #pragma once
 
 #include <chrono>

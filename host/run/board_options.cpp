@@ -143,7 +143,7 @@ void BoardOptions::check(const std::vector<std::string>& inputs, const std::stri
   }
   check_timing();
   if (usb != "serial" && board != chip_board)
-    throw Error(Exit::bad_input, "--usb " + usb, "is about the simulated chip",
+    throw Error(Exit::bad_input, "--usb " + usb, "applies only to the simulated chip",
                 "leave it out; a real board's pulse stream is --board usb");
   plot.check();
   if (plot.any() && board != virtual_board)

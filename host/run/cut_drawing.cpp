@@ -66,16 +66,19 @@ std::unique_ptr<lettering::Letters> letters_of(const DrawingChoice& drawing) {
 /// Adds the letters of texts to the curves of a drawing.
 void add_letters(const std::vector<model::TextBlock>& texts, const DrawingChoice& drawing,
                  model::Curves& curves, CutDrawing& result) {
-  if (texts.empty()) return;
+  const bool is_named = drawing.text != "stroke" && drawing.font != DrawingChoice{}.font;
+  if (texts.empty() && !is_named) return;
   const std::unique_ptr<lettering::Letters> font = letters_of(drawing);
+  if (texts.empty()) return;
   lettering::TextCurves letters = lettering::text_curves(texts, *font);
   for (model::Path& path : letters.paths) curves.paths.push_back(std::move(path));
   result.texts = texts.size();
   result.font = font->name();
   if (letters.missing > 0)
     result.warnings.push_back(fmt::format(
-        "{} of the texts are not in {}: {}", count_text(letters.missing, "character"), result.font,
-        drawing.text == "stroke" ? "use outlines for them" : "give another font"));
+        "{} not in {}: {}",
+        count_text(letters.missing, "character of the texts is", "characters of the texts are"),
+        result.font, drawing.text == "stroke" ? "use outlines for them" : "give another font"));
 }
 
 double mm_of(const std::string& unit) {
@@ -309,7 +312,7 @@ void require_drawing_name(const std::string& file) {
   if (model::may_hold_only(file, model::InputKind::curves)) return;
   const FileWay way = way_of_file(file);
   throw Error(Exit::bad_input, file,
-              way ? way.what + ", not a drawing to cut" : std::string("is no drawing to cut"),
+              way ? way.what + ", not a drawing to cut" : std::string("is not a drawing to cut"),
               "give a drawing: " + model::extensions(model::InputKind::curves));
 }
 

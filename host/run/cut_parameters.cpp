@@ -27,7 +27,7 @@ constexpr double max_cut_tabs = 1000, max_pierce_s = 60, max_dark_s = 1;
 std::string colour_fault(const std::string& text) {
   return model::colour_named(text)
              ? ""
-             : "'" + text + "' is no colour: give a name or #rrggbb, red or #ff0000";
+             : "'" + text + "' is not a colour: give a name or #rrggbb, red or #ff0000";
 }
 
 std::vector<Parameter> choice_parameters(OperationChoice& o) {
@@ -94,13 +94,13 @@ std::vector<Parameter> material_parameters(OperationChoice& o) {
       {"on_late",
        "--on-late",
        &o.on_late_s,
-       "Switch the laser on so long after the begin of each contour",
+       "Time from the begin of each contour to laser on",
        "S",
        {0, max_dark_s, true}},
       {"off_early",
        "--off-early",
        &o.off_early_s,
-       "Switch the laser off so long before the end of each contour",
+       "Time from laser off to the end of each contour",
        "S",
        {0, max_dark_s, true}},
   };

@@ -11,6 +11,7 @@
 #include "host/model/input.hpp"
 #include "host/model/read_points.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/file_line.hpp"
 #include "host/program/program_path.hpp"
 #include "host/program/program_run.hpp"
 #include "host/run/placed_axes.hpp"
@@ -96,7 +97,8 @@ std::string stored_word(std::string_view line) {
   // Tenths of the numbers: G10, G28 and G30 with their .1, G53, G54.1, G55 to G59.3, G92 to G92.3.
   constexpr std::array codes{100, 280, 281, 300, 301, 530, 541, 550, 560, 570,
                              580, 590, 591, 592, 593, 920, 921, 922, 923};
-  program::WordReader reader(line);
+  const program_run::FileLine read(line);
+  program::WordReader reader(read.text());
   program::Word word;
   while (!reader.next(word) && word.letter != 0) {
     const auto tenths = program::scaled(word, 1, 1);

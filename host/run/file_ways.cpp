@@ -61,7 +61,7 @@ void refuse_empty(const std::string& file) {
   if (lower_extension(file) == ".llj")
     remedy = fmt::format(
         "make the job again: lamplock job MODEL -o {0} (points), or lamplock raster PICTURE --feed "
-        "MM_MIN -o {0} (rows)",
+        "MM_MIN --machine FILE.toml -o {0} (rows)",
         name);
   else if (kind == model::InputKind::points)
     remedy = fmt::format(

@@ -184,7 +184,7 @@ HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
 TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
   check_heat_files(options);
   if (options.gain_k.has_value() != options.time_constant_s.has_value())
-    throw Error(Exit::bad_input, "--tune", "gain and time constant belong together",
+    throw Error(Exit::bad_input, "--tune", "--gain and --time-constant must be given together",
                 "give --gain and --time-constant, or neither");
   TunedHeat out;
   if (options.gain_k) {

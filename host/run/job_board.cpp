@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds patience = 500ms, slice = 5ms;
-/// As in the answer to `$I` of this firmware (firmware/machine/controller_text.cpp).
+/// As in the answer to `$I` of this firmware (firmware/machine/console_commands.cpp).
 constexpr std::string_view product = "lamplock";
 
 /// The version of grbl that a board reports; empty if it reports none.

@@ -71,7 +71,7 @@ void JogSession::run() {
   }
   stop_and_wait();
   if (pendant_lost_ && !keyboard_)
-    throw Error(Exit::no_device, pendant_name_, "has gone; the machine was stopped",
+    throw Error(Exit::no_device, pendant_name_, "was disconnected; the machine was stopped",
                 "plug it in and begin again");
 }
 
@@ -112,7 +112,7 @@ void JogSession::take_pendant() {
   jogger_->stop_motion();
   pendant_.reset();
   pendant_lost_ = true;
-  view_.note(pendant_name_ + " has gone: stopped");
+  view_.note(pendant_name_ + " was disconnected: stopped");
 }
 
 void JogSession::take_keys() {

@@ -45,7 +45,7 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 }
 
 [[noreturn]] void refuse_list(const std::string& where, const std::string& part) {
-  throw Error(Exit::bad_input, where, fmt::format("'{}' is no number and no range", part),
+  throw Error(Exit::bad_input, where, fmt::format("'{}' is neither a number nor a range", part),
               "give numbers, or FROM:TO:COUNT: 30,60,120 or 30:600:10");
 }
 
@@ -74,7 +74,7 @@ void add_range(const std::vector<std::string>& ends, const std::string& part,
   if (std::floor(count) != count || count > static_cast<double>(material::max_card_cuts) ||
       (count < 2 && from != to))
     throw Error(
-        Exit::bad_input, where, fmt::format("'{}' has no possible count", part),
+        Exit::bad_input, where, fmt::format("'{}' has an invalid COUNT", part),
         fmt::format("give FROM:TO:COUNT with a whole COUNT, 2 to {}", material::max_card_cuts));
   const int values = static_cast<int>(count);
   for (int i = 0; i < values; ++i) {
@@ -104,7 +104,8 @@ std::vector<int> pass_list(const std::string& text) {
   std::vector<int> passes;
   for (const double value : number_list(text, "passes", ListNumbers::whole)) {
     if (std::floor(value) != value || value > max_passes_of_card)
-      throw Error(Exit::bad_input, "passes", fmt::format("{:g} is no number of passes", value),
+      throw Error(Exit::bad_input, "passes",
+                  fmt::format("{:g} is not a valid number of passes", value),
                   fmt::format("give whole numbers, 1 to {:g}", max_passes_of_card));
     passes.push_back(static_cast<int>(value));
   }
@@ -115,7 +116,7 @@ material::CardKind kind_named(const std::string& name) {
   if (name == "depth") return material::CardKind::depth;
   if (name == "grid") return material::CardKind::grid;
   if (name == "kerf") return material::CardKind::kerf;
-  throw Error(Exit::bad_input, card_where, fmt::format("'{}' is no kind of card", name),
+  throw Error(Exit::bad_input, card_where, fmt::format("'{}' is not a kind of card", name),
               did_you_mean(name, {"depth", "grid", "kerf"}, "give depth, grid or kerf"));
 }
 
@@ -209,7 +210,7 @@ double checked_seconds(const std::string& program, const settings::Values& value
                             run.problems[0].text),
                 "check the place of the card and the machine profile");
   if (run.outside != 0)
-    throw Error(Exit::bad_input, card_where, "it lies outside the work area of the machine",
+    throw Error(Exit::bad_input, card_where, "it lies outside the work space of the machine",
                 "choose another place, or make the card smaller");
   return run.seconds();
 }
@@ -263,7 +264,7 @@ CardResult make_card(const CardOptions& options) {
   if (std::filesystem::is_regular_file(result.sheet, failure) &&
       !material::is_unused_sheet(result.sheet))
     throw Error(Exit::bad_input, result.sheet,
-                "it has measured figures, or is no sheet of a test card",
+                "it has measured figures, or is not a sheet of a test card",
                 "name the card or its sheet differently, or remove the file");
   // Both or neither.
   StagedFile staged_program(options.output), staged_sheet(result.sheet);

@@ -29,7 +29,7 @@ struct CardOptions : CutChoice {
   bool air = false;
   std::optional<double> thickness_mm{};
   std::vector<double>
-      corner_mm{};                ///< lower left; empty: the card is in the middle of the work area
+      corner_mm{};  ///< lower left; empty: the card is in the middle of the work space
   std::string output{}, sheet{};  ///< sheet empty: the name of the output with .toml
   MachineOptions machine{};
 };
@@ -41,7 +41,7 @@ struct CardResult {
 };
 
 /// Writes program and sheet, after the firmware's interpreter has run the program without an error
-/// and inside the work area. Throws Error(bad_input), and then no file is written.
+/// and inside the work space. Throws Error(bad_input), and then no file is written.
 CardResult make_card(const CardOptions& options);
 
 struct CardFigures {

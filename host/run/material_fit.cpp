@@ -48,6 +48,9 @@ Laser laser_of(Library& library, const CutChoice& choice) {
   std::set<std::string> names;
   for (const Measurement& one : library.measurements_of(choice.material)) names.insert(one.laser);
   if (names.empty())
+    for (const material::Setting& one : library.settings_of(choice.material))
+      names.insert(one.laser);
+  if (names.empty())
     for (const Laser& one : library.all<Laser>()) names.insert(one.name);
   if (names.size() == 1) return library.laser(*names.begin());
   throw Error(Exit::bad_input, "material " + choice.material,

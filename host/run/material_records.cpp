@@ -70,7 +70,8 @@ RecordKind record_kind_named(const std::string& name) {
   const std::vector<std::string> names = record_kind_names();
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
-    throw Error(Exit::bad_input, "material library", fmt::format("'{}' is no kind of record", name),
+    throw Error(Exit::bad_input, "material library",
+                fmt::format("'{}' is not a kind of record", name),
                 did_you_mean(name, names, fmt::format("give {}", fmt::join(names, ", "))));
   return static_cast<RecordKind>(found - names.begin());
 }

@@ -133,7 +133,7 @@ points::SliceFrame slice_frame_of(const Object& object) {
 MeshPoints mesh_points(const Mesh& mesh, const Object& object, double spacing_mm) {
   const std::string method = object.method.value_or(glass::default_method);
   if (object.tone && method != "blue-noise")
-    throw Error(Exit::bad_input, object.file, "only blue noise knows of a tone",
+    throw Error(Exit::bad_input, object.file, "only blue noise has tones",
                 "leave tone out, or use --method blue-noise");
   MeshPoints made = by_method(method, mesh, object, spacing_mm);
   judge_surface(method, mesh, object, spacing_mm, made);

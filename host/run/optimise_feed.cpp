@@ -46,7 +46,8 @@ feed_optimiser::PerAxis limits_of(const std::vector<double>& given, const std::s
   limits.fill(example);
   if (given.size() == 1) limits.fill(given.front());
   if (given.size() == 2)
-    throw Error(Exit::bad_input, name, "has two numbers", "give one for all axes, or three");
+    throw Error(Exit::bad_input, name, "has two numbers, not one or three",
+                "give one for all axes, or three");
   if (given.size() == limits.size()) std::copy(given.begin(), given.end(), limits.begin());
   if (!given.empty() || profile == nullptr) return limits;
   for (int a = 0; a < static_cast<int>(limits.size()); ++a) {

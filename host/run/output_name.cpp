@@ -32,7 +32,7 @@ void check_output_name(const std::string& output, std::string_view ending) {
   const std::string given = lower_extension(output);
   if (is_special(output) || given == ending || !has_kind(output)) return;
   throw Error(Exit::bad_input, output,
-              fmt::format("'{}' is the ending of another kind of file", given),
+              fmt::format("'{}' is the ending of another file type", given),
               fmt::format("give a name that ends in {}", ending));
 }
 

@@ -9,8 +9,8 @@ void require_askable(const BoardOptions& options, const Frontend& frontend) {
   if (options.is_simulated() || options.dry || options.yes || frontend.can_ask()) return;
   check_is_connected(options);  // else the remedy would lead to the next error
   throw Error(Exit::bad_input, "--board " + options.board,
-              "firing needs a confirmation, and there is no terminal to ask in",
-              "run it in a terminal, or give --yes or --dry");
+              "firing needs confirmation, and there is no terminal",
+              "run it in a terminal, or add --yes or --dry");
 }
 
 void require_permission(const BoardOptions& options, Frontend& frontend,

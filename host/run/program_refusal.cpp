@@ -80,7 +80,7 @@ void check_board_lines(const ProgramText& program) {
     const std::string fault = program_run::board_line_fault(line.text);
     if (fault.empty()) continue;
     throw Error(Exit::bad_input, line_place(program, line.number), fault + ", nothing was sent",
-                "send it before the program, or send it anyhow with --ignore-errors");
+                "send it before the program, or add --ignore-errors");
   }
 }
 
@@ -113,10 +113,9 @@ std::optional<program_run::Problem> problem_of(const Error& error, const std::st
 Error refusal_of(const ProgramText& program, const program_run::Problem& problem) {
   const program_run::Problem here = in_file(program, problem);
   const std::string number = here.error == 0 ? "" : fmt::format("error:{} ", here.error);
-  const std::string remedy =
-      here.remedy.empty()
-          ? "correct it, see all with lamplock check, or send it anyhow with --ignore-errors"
-          : here.remedy + "; lamplock check lists all";
+  const std::string remedy = here.remedy.empty()
+                                 ? "correct it, see all with lamplock check, or add --ignore-errors"
+                                 : here.remedy + "; lamplock check lists all";
   return {Exit::bad_input, program_run::text_of({program.file, here.line, here.column}),
           number + here.text + ", nothing was sent", remedy};
 }

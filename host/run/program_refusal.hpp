@@ -1,7 +1,7 @@
 // What `lamplock send` refuses in a program before it sends anything, with the place in the file.
 //
 // In:  the text of a file and the lines that are sent. Out: an Error, or nothing.
-// Who: run_program.cpp; `check`, for the same places.
+// Who: `send`, of programs and of commands that users add; `check`, for the same places.
 #pragma once
 
 #include <optional>

@@ -180,10 +180,10 @@ job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult
   how.remedy_outside = remedy_outside(options, bitmap, how.overscan_mm, profile.settings);
   job::Job job = raster::make_rows(pixels, how, profile);
   const geometry::Bounds box = geometry::bounds(points_of(job));
+  result.overscan_mm = raster::overscan_pixels(how.overscan_mm, size.pitch_mm) * size.pitch_mm;
   frontend.phase("rows", fmt::format("{} with {:.4g} mm overscan, {}", rows_text(job),
-                                     how.overscan_mm, bounds_text(box)));
+                                     result.overscan_mm, bounds_text(box)));
   result.size = size;
-  result.overscan_mm = how.overscan_mm;
   result.lines = job.size();
   result.runs = job.rows.runs.size();
   result.box = box;

@@ -27,11 +27,13 @@ std::string way_to_job(const std::string& file) {
   if (kind == InputKind::curves) {
     const std::string program =
         shell_text({std::filesystem::path(file).replace_extension(".ngc").string()});
-    return fmt::format("cut it: lamplock cut {} -o {}, or {}", name, program, points);
+    return fmt::format("cut it: lamplock cut {} --power PERCENT --feed MM_MIN -o {}, or {}", name,
+                       program, points);
   }
   if (kind != InputKind::bitmap) return points;
-  return fmt::format("{} (points in glass), or lamplock raster {} --feed MM_MIN -o {} (rows)",
-                     points, name, job);
+  return fmt::format(
+      "{} (points in glass), or lamplock raster {} --feed MM_MIN --machine FILE.toml -o {} (rows)",
+      points, name, job);
 }
 
 job::Job read_job(const std::string& file) {

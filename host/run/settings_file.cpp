@@ -71,7 +71,7 @@ std::vector<link::Change> from_lines(const std::filesystem::path& file) {
     if (line.empty() || line == "ok") continue;
     const std::string where = fmt::format("{}:{}", file.string(), number);
     if (!line.starts_with('$'))
-      throw Error(Exit::bad_input, where, fmt::format("'{}' is no setting", line),
+      throw Error(Exit::bad_input, where, fmt::format("'{}' is not a setting", line),
                   "write $NUMBER=VALUE, or name the file .toml if it is TOML");
     const link::Change change = link::parse_change(line, where);
     for (const link::Change& before : changes)

@@ -52,8 +52,7 @@ void Supervisor::begin(gpio::LaserUse work) {
     transport_.wait(round);
   if (!guard_->settled())
     throw Error(Exit::job_failed, "--lines", guard_->unsettled(),
-                "release the e-stop, close the door, and see that the line is wired as its table "
-                "says with `lamplock lines`");
+                "release the e-stop, close the door, and check its wiring with `lamplock lines`");
   guard_->begin(work);
   read_lines();
 }

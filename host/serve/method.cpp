@@ -153,7 +153,7 @@ constexpr std::array table{
            "Makes this place the zero of the work coordinates (`G10 L20 P0`).", "nothing"},
     Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
     Method{"machine.area", Right::all, none,
-           "The work area of the machine: the travel of the board by its settings.",
+           "The work space of the machine: the travel of the board by its settings.",
            "its two corners, mm"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
@@ -302,9 +302,12 @@ bool is_right(const Json& value, const Parameter& parameter) {
 std::string wanted(const Parameter& parameter) {
   if (parameter.choices != nullptr) return parameter.choices;
   std::string type = type_name(parameter.type);
+  const bool is_text = parameter.type == Type::text;
+  if (is_text && parameter.max == parameter.min && parameter.max > 0)
+    return fmt::format("{} of {:.10g} bytes", type, parameter.max);
   if (parameter.max <= parameter.min) return type;
   return fmt::format("{} of {:.10g} to {:.10g}{}", type, parameter.min, parameter.max,
-                     parameter.type == Type::text ? " bytes" : "");
+                     is_text ? " bytes" : "");
 }
 
 const char* right_name(Right right) {

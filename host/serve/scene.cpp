@@ -108,7 +108,8 @@ Placement placement_of(const Json& object) {
 glass::Object object_of(const Json& given, const std::vector<glass::Object>& known,
                         const JobFolder& folder) {
   if (!given.is_object())
-    throw Error(Exit::bad_input, "objects", "has an entry that is no object", "see docs/api.md");
+    throw Error(Exit::bad_input, "objects", "has an entry that is not an object",
+                "see docs/api.md");
   glass::Object object;
   const Json from = given.value("object", Json());
   if (from.is_number_unsigned()) {

@@ -132,7 +132,9 @@ void add_serve(Command& program) {
   const auto texts_file = std::make_shared<std::string>();
   add_access(app, *options, *password_file);
   add_contents(app, *options, *texts_file);
-  app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
+  app.add_option("--log", &options->log,
+                 "Append lines and logins to this file; at 1 MB it is renamed FILE.1, three old "
+                 "files are kept")
       .value_name("FILE")
       .file(FileUse::write);
   app.add_option("--pair", &options->pairs,

@@ -69,7 +69,7 @@ void add_watch(Command& program) {
                  "Address that lamplock serve has printed; default: the variable LAMPLOCK_PAGE")
       .value_name("ADDRESS")
       .common();
-  app.add_option("--every", &choice->every_s, "Seconds between two looks at the machine")
+  app.add_option("--every", &choice->every_s, "Time between two status queries, in seconds")
       .check(number_in({0.1, 3600.0}))
       .value_name("S")
       .show_default()

@@ -43,14 +43,6 @@ std::size_t Axis::nearest(double place) const {
   return place - nodes_[i - 1] < nodes_[i] - place ? i - 1 : i;
 }
 
-std::vector<double> uniform_nodes(double low, double high, std::size_t count) {
-  std::vector<double> nodes;
-  nodes.reserve(count);
-  for (std::size_t i = 0; i < count; ++i)
-    nodes.push_back(low + (high - low) * static_cast<double>(i) / static_cast<double>(count - 1));
-  return nodes;
-}
-
 std::vector<double> depth_nodes(double depth, std::size_t count, double growth) {
   std::vector<double> nodes{0};
   double step = 1;

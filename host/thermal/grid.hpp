@@ -38,9 +38,6 @@ class Axis {
   std::vector<double> nodes_, faces_;
 };
 
-/// `count` nodes at equal distances, at least two.
-std::vector<double> uniform_nodes(double low, double high, std::size_t count);
-
 /// Depths from 0 to `depth`, at least two; each distance is `growth` times the one above it.
 std::vector<double> depth_nodes(double depth, std::size_t count, double growth);
 

@@ -54,7 +54,6 @@ inline constexpr std::size_t max_job_header_size =
     job_header_fixed_size + max_overrides * override_size;
 static_assert(max_job_header_size <= max_payload);
 
-inline constexpr std::uint8_t max_join_mode = 2;
 /// Lines of pixels for a continuous laser (row_records.hpp); without a beat.
 inline constexpr std::uint8_t mode_rows = 3;
 inline constexpr std::uint8_t dry_flag = 1;

@@ -2,9 +2,9 @@
 //
 // In:  bytes of the host, a world (lamp, drives, switches).
 // Out: bytes to the host, pins, time. Deterministic: no threads, no wall clock.
-// It drives the Controller exactly as a real board does: steps are filled 2 ms ahead, tick lengths
-// 0.3 ms ahead, the main loop runs every 250 us, and a model of the hardware fires. Steps are
-// computed in closed form, not tick by tick.
+// It calls the Controller as a real board does, with its own times: steps are filled 2 ms ahead,
+// tick lengths 0.3 ms ahead (0.8 ms on the RP2040), and the main loop runs every 250 us. A model of
+// the hardware fires. Steps are computed in closed form, not tick by tick.
 //
 // A continuous laser: its gate opens and shuts on the ticks of the lattice, as on a real board. Its
 // power changes where a power cell or a block begins, and is that of the last tick of the cell in

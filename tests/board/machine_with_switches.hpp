@@ -8,7 +8,7 @@
 
 namespace lamplock::test {
 
-/// Ends of the work area of homing_profile(), and the way back from a switch.
+/// Ends of the work space of homing_profile(), and the way back from a switch.
 inline constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
 
 /// Places of switches, in steps of the loads, and their behaviour.

@@ -28,7 +28,7 @@ class Events {
  public:
   Events(std::uint64_t seed, Machine kind) : random_(seed), profile_(profile_of(kind)) {
     SwitchPlan plan;
-    plan.switches = {7000, 7000, 7000, 7000};  // inside the work area
+    plan.switches = {7000, 7000, 7000, 7000};  // inside the work space
     plan.bounce = {.make_us = 300, .break_us = 300};
     std::vector<sim::WireConfig> more;
     if (kind == Machine::gantry) {

@@ -131,7 +131,7 @@ TEST_F(Parking, DoorsAtRandomMoments) {
 }
 
 /// With a jerk limit, braking while Z accelerates takes longer than the planned braking: aborted at
-/// any moment, Z stays in its work area.
+/// any moment, Z stays in its work space.
 TEST_F(Parking, AbortedAnywhereItStaysInsideTheWorkArea) {
   std::mt19937_64 random(8);
   const Pick<double> ms(random);

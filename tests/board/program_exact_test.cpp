@@ -17,7 +17,7 @@ std::int32_t steps_of(const ExactProgram::Rational& mm, std::int32_t milli_steps
   return (over < 0 ? cpp_int(-magnitude) : magnitude).convert_to<std::int32_t>();
 }
 
-/// A large work area and resolutions that round differently on each axis.
+/// A large work space and resolutions that round differently on each axis.
 job::Profile wide_profile() {
   job::Profile profile = program_profile();
   constexpr std::array<double, 3> steps_per_mm{200, 157.483, 333.333};

@@ -1,5 +1,5 @@
 // Arbitrary input at the cable of a virtual board: random bytes, corrupted lines, real-time bytes,
-// settings. The board never crashes, leaves the work area or fires; it is dark before M3 or M4, at
+// settings. The board never crashes, leaves the work space or fires; it is dark before M3 or M4, at
 // rest and while the door is open; it answers every line once and still answers at the end.
 #include <fmt/format.h>
 

@@ -412,7 +412,7 @@ TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
   EXPECT_NEAR(x(), at_cancel, steps_per_mm);
 }
 
-/// A start-up line that leaves the work area raises an alarm; it has no answer of its own, and the
+/// A start-up line that leaves the work space raises an alarm; it has no answer of its own, and the
 /// next line is answered once.
 TEST_F(ProgramSafety, AStartUpLineOutsideCostsNoAnswer) {
   EXPECT_THAT(host_->ask("$N0=G0 X40\n"), Contains("ok"));

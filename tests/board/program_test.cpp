@@ -1,5 +1,5 @@
 // G-code programs on the virtual board: answers, end positions, durations, holds, overrides, jogs,
-// resets and the limits of the work area.
+// resets and the limits of the work space.
 #include <fmt/format.h>
 
 #include <random>

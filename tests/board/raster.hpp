@@ -247,7 +247,7 @@ class Raster {
   std::vector<std::vector<int>> rows_;
 };
 
-/// A larger test scale adds rows, not columns: rows must fit the work area.
+/// A larger test scale adds rows, not columns: rows must fit the work space.
 inline Raster sized_raster(std::uint64_t seed, int columns, int max_run) {
   return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), max_run};
 }

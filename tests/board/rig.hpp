@@ -98,7 +98,7 @@ inline void set_lag(job::Profile& profile, std::initializer_list<double> lag_us)
   }
 }
 
-/// Demanding points: long moves through the whole work area, its corners, repeated points, single
+/// Demanding points: long moves through the whole work space, its corners, repeated points, single
 /// steps.
 inline geometry::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);

@@ -565,7 +565,7 @@ TEST(Rows, AreNotTakenWithoutRoom) {
 }
 
 /// Corrupted frames with a correct checksum are accepted whole or not at all and never lead out of
-/// the work area; a stop ends the job.
+/// the work space; a stop ends the job.
 TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
   int taken = 0;
   for (int i = 0; i < scaled(40); ++i) {

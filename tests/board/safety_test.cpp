@@ -399,7 +399,7 @@ TEST(Safety, PointsOutsideTheWorkSpaceAreRefusedByTheFirmwareToo) {
       double& v = axis == 0 ? points[7].x : axis == 1 ? points[7].y : points[7].z;
       v = side;
       job::Job job = job::make_job(points, larger, {});
-      job.header.override_count = 0;  // the machine's own work area applies
+      job.header.override_count = 0;  // the machine's own work space applies
       Rig rig(machine);
       EXPECT_THAT(refusal(rig, job), StartsWith("error: point 7: is outside"));
     }

@@ -115,7 +115,7 @@ TEST(UsbHost, EchoesEveryByteOnceOverABadCable) {
     Desk desk({.doubled = seed % 2 == 0, .room = 64 + random() % 1000}, {}, errata);
     ASSERT_TRUE(desk.connect());
     int faults = 0;
-    desk.host.set_saboteur([&](usb::Transaction& t) {
+    desk.host.set_fault_injector([&](usb::Transaction& t) {
       const auto maybe = [&] {
         if (random() % 20 != 0) return usb::Fault::none;
         ++faults;
@@ -143,7 +143,7 @@ TEST(UsbHost, ControlTransfersSurviveABadCable) {
     UsbErrata errata;
     errata.e15_broken_packet_hangs = false;
     Desk desk({}, {}, errata);
-    desk.host.set_saboteur([&](usb::Transaction& t) {
+    desk.host.set_fault_injector([&](usb::Transaction& t) {
       if (random() % 100 == 0) t.token_fault = usb::Fault::lost;
       if (random() % 100 == 0) t.data_fault = usb::Fault::crc;
       if (random() % 100 == 0) t.handshake_fault = usb::Fault::lost;
@@ -416,7 +416,7 @@ TEST(UsbHost, E15AffectsBuffersThatAreArmedLate) {
     Picoseconds frame_start = 0;
     std::uint64_t frames = 0;
     // A hub truncates packets in the last 200 us of a frame.
-    desk.host.set_saboteur([&](usb::Transaction& t) {
+    desk.host.set_fault_injector([&](usb::Transaction& t) {
       if (desk.host.statistics().frames != frames) {
         frames = desk.host.statistics().frames;
         frame_start = desk.bench.now();
@@ -439,7 +439,7 @@ TEST(UsbHost, E15AffectsBuffersThatAreArmedLate) {
       desk.bench.controller.reset();
       desk.run(ps_per_ms);
       EXPECT_FALSE(desk.bench.controller.hung());
-      desk.host.set_saboteur({});
+      desk.host.set_fault_injector({});
       EXPECT_TRUE(desk.connect()) << "a reset of the controller must end it";
     }
   }

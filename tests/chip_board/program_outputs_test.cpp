@@ -64,7 +64,7 @@ TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
   std::string text = "G91 M3 S0 F3000\nG1 X1\n";
   const int lines = scaled(60);
   std::mt19937 random(2);
-  // Back and forth: any number of lines stays in the work area.
+  // Back and forth: any number of lines stays in the work space.
   for (int i = 0; i < lines; ++i)
     text += fmt::format(
         "M6{} P0\nG1 X{:.2f} S{}\n", i % 2 == 0 ? 2 : 3,

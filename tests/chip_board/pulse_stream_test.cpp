@@ -166,7 +166,7 @@ TEST(ChipPulseStream, ABadCableCostsTimeOnly) {
     FunctionRig rig(profile, UsbFunction::vendor);
     const job::Job job = job::make_job(chip_points(100, random()), profile, {});
     int faults = 0;
-    rig.host().set_saboteur([&](sim::chip::usb::Transaction& transaction) {
+    rig.host().set_fault_injector([&](sim::chip::usb::Transaction& transaction) {
       if (transaction.endpoint != rig.host().vendor().in &&
           transaction.endpoint != rig.host().vendor().out)
         return;

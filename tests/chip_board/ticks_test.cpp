@@ -191,7 +191,7 @@ std::string name_of(const testing::TestParamInfo<Case>& info) { return info.para
 
 // --- programs and rows, without a lamp ---------------------------------------------------------
 
-/// A common laser cutter with a large work area.
+/// A common laser cutter with a large work space.
 job::Profile laser_cutter(Id motors, int value) {
   job::Profile profile = chip_profile();
   job::set_acceleration(profile, 2);

@@ -344,5 +344,59 @@ TEST(CheckAndSend, LinesAfterTheEndAreRun) {
   }
 }
 
+/// Comments of any length are dropped; columns count them.
+TEST(CheckAndSend, DropLongComments) {
+  const Folder folder;
+  constexpr std::size_t columns_of_16_bits = 65'536;
+  for (const std::size_t length :
+       {std::size_t{300}, columns_of_16_bits - 8, columns_of_16_bits, columns_of_16_bits + 5'000}) {
+    const std::string text(length, 'a');
+    for (const std::string& line : {fmt::format("G0X1 ({})", text), fmt::format("G0X1 ;{}", text),
+                                    fmt::format("G0X1 (MSG, {})", text)}) {
+      const std::string file = folder.write("p.ngc", line + "\nX3\n");
+      const Finished checked = run({"check", file, "--json"});
+      EXPECT_EQ(checked.status, 0) << length << checked.out.substr(0, 300);
+      EXPECT_EQ(run({"jerk", file, "-o", folder / "o.ngc"}).status, 0) << length;
+    }
+    const std::string wrong = fmt::format("G0 X1\n({}) G1 X2 X3 F100\n", text);
+    expect_both_refuse(wrong, fmt::format(":2:{}", length + 10), "the word occurs twice");
+    const std::string digits(length, '0');
+    expect_both_refuse(fmt::format("G0 X{}1\nG0 X2\n", digits), ":1", "error:11");
+    const std::string file = folder.write("p.ngc", fmt::format("G0 X{}1\nG0 X2\n", digits));
+    EXPECT_EQ(run({"jerk", file, "-o", folder / "o.ngc"}).status, 2) << length;
+  }
+}
+
+/// The place where the board is does not make a wrong line valid.
+TEST(CheckAndSend, RefuseArcsToTheirStart) {
+  for (const std::string before : {"", "G1 X8 F1000\nG1 X0\n"}) {
+    const std::string place = before.empty() ? ":1" : ":3";
+    expect_both_refuse(before + "G2 X0 Y0 R5 F1000\nG1 X9\n", place, "error:33");
+    expect_both_refuse(before + "G38.2 X0 F100\n", place, "error:33");
+  }
+}
+
+/// Of the line that was refused on the board, and of the one before it.
+TEST(CheckAndSend, NameTheLastLineThatWasAccepted) {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "G0 X1\nG0 X2\nG2 X2 Y0 R5 F1000\n");
+  const Finished sent = run({"send", file, "--board", "virtual", "--ignore-errors", "--json"});
+  EXPECT_EQ(sent.status, 1);
+  EXPECT_EQ(nlohmann::json::parse(sent.out)["last_line"], 2) << sent.out;
+}
+
+/// Lines before the one that raises an alarm are executed: the end is reported at rest.
+TEST(CheckAndSend, AnAlarmIsReportedAtRest) {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "G1 X20 F1200\nG0 X9999\nG1 X2\n");
+  const Finished sent = run({"send", file, "--board", "virtual", "--ignore-errors", "--json"});
+  EXPECT_EQ(sent.status, 1) << sent.err;
+  const auto document = nlohmann::json::parse(sent.out);
+  EXPECT_EQ(document["end"], "alarm");
+  EXPECT_EQ(document["state"], "Alarm");
+  EXPECT_EQ(document["position"][0], 20.0);
+  EXPECT_THAT(sent.err, HasSubstr("line 1 of " + file + " was the last one that it accepted"));
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test

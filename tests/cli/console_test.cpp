@@ -59,6 +59,16 @@ TEST(ConsoleCommand, ends_at_the_first_error) {
   EXPECT_THAT(loud.err, HasSubstr("error: line 1: the byte 0x21"));
 }
 
+/// A pause in the last line ends it; of other pauses the user sees the line.
+TEST(ConsoleCommand, a_pause_of_a_script) {
+  EXPECT_EQ(run({"console", "--board", "virtual"}, "G0X1\nM0\n").status, 0);
+  EXPECT_EQ(run({"console", "--board", "virtual"}, "M0\n~\nG0X1\n").status, 0);
+  Running waiting({"console", "--board", "virtual"}, "G0X1\nM0\nG0X2\n");
+  EXPECT_TRUE(waiting.wait_for("the machine waits in line 2"));
+  waiting.interrupt();
+  waiting.finish();
+}
+
 TEST(ConsoleCommand, in_a_terminal) {
   InTerminal terminal({"console", "--board", "virtual"});
   terminal.type("$nonsense\n");

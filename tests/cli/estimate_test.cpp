@@ -83,7 +83,7 @@ TEST(EstimateCommand, refuses_in_one_line) {
 }
 
 TEST(EstimateCommand, takes_an_origin_as_engrave_does) {
-  // A work area away from the origin: objects lie in its middle, or around the origin.
+  // A work space away from the origin: objects lie in its middle, or around the origin.
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const std::string profile = folder.write("m.toml", "min_corner = [-3, -3, -10]\n");

@@ -197,8 +197,8 @@ TEST(JogCommand, ends_when_its_pendant_is_unplugged) {
   const Finished done = jog.finish();
   EXPECT_EQ(done.status, 3);
   EXPECT_THAT(done.out, HasSubstr("| Jog | continuous | X |"));
-  EXPECT_THAT(done.out, HasSubstr("XHC HB04 has gone: stopped"));
-  EXPECT_THAT(done.err, HasSubstr("error: XHC HB04: has gone; the machine was stopped"));
+  EXPECT_THAT(done.out, HasSubstr("XHC HB04 was disconnected: stopped"));
+  EXPECT_THAT(done.err, HasSubstr("error: XHC HB04: was disconnected; the machine was stopped"));
   EXPECT_FALSE(bench.shown().empty()) << "no position on its display";
 }
 

@@ -271,7 +271,7 @@ TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
     words.insert(words.end(), more.begin(), more.end());
     return refusal(words);
   };
-  EXPECT_THAT(card({}), HasSubstr("the work area 100 x 100 mm"));
+  EXPECT_THAT(card({}), HasSubstr("the work space 100 x 100 mm"));
   EXPECT_THAT(card({"--feeds", "60", "--corner", "60,0"}), HasSubstr("test card"));
   EXPECT_THAT(card({"--feeds", "60,1e6"}), HasSubstr("more than the machine's"));
   EXPECT_THAT(card({"--feeds", "60,0.01"}), HasSubstr("0.01 mm/min is less than 1; give"));

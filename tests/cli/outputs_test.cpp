@@ -291,8 +291,8 @@ TEST_F(Outputs, WithTheEndingOfAnotherKindAreRefused) {
     const Finished refused = run(all);
     EXPECT_EQ(refused.status, 2) << command[0] << ' ' << name;
     EXPECT_THAT(refused.err, testing::MatchesRegex("error: " + file +
-                                                   ": '[^\n]+' is the ending of another kind of "
-                                                   "file; give a name that ends in [^\n]+\n"));
+                                                   ": '[^\n]+' is the ending of another file type"
+                                                   "; give a name that ends in [^\n]+\n"));
     EXPECT_EQ(read(file), "mine\n");
   }
   EXPECT_EQ(run({"settings", "backup", folder_ / "board"}).status, 0);

@@ -67,6 +67,9 @@ TEST(Raster, options_do_what_they_say) {
   const Finished wider = run(raster(picture, {"-o", folder / "b.llj", "--pitch-mm", "3"}));
   EXPECT_THAT(wider.err, HasSubstr("--width-mm 20 is not a whole number of pixels of 3 mm"));
   EXPECT_THAT(wider.err, HasSubstr("the picture is 21 mm wide"));
+  const auto beside = document({"--overscan-mm", "0.6"});
+  EXPECT_EQ(beside["overscan_mm"], 1.0) << "whole pixels of 0.5 mm";
+  EXPECT_EQ(beside["bounds"]["low_mm"][0], -11.0);
   const auto one_way = document({"--one-way"});
   EXPECT_GT(one_way["seconds"].get<double>(), 1.2 * plain["seconds"].get<double>());
   const auto moved = document({"--origin", "-40,-30,-2", "--overscan-mm", "0"});
@@ -74,6 +77,30 @@ TEST(Raster, options_do_what_they_say) {
   EXPECT_EQ(moved["bounds"]["high_mm"], (nlohmann::json{-20.0, -10.25, -2.0}));
   // Eight rows through the middle of the disc do not reach beyond it.
   EXPECT_EQ(document({"--invert"})["lines"], 64);
+}
+
+/// The G-code of a dry run is dark too, and goes the same way.
+TEST(Raster, dry_programs_are_dark) {
+  const Folder folder;
+  const std::string picture = disc(folder), job = folder / "a.llj";
+  for (const Arguments& form : {Arguments{}, Arguments{"--power-lists"}}) {
+    const auto program = [&](const std::string& name, const Arguments& more) {
+      Arguments all = raster(picture, {"-o", job, "--gcode", folder / name});
+      for (const Arguments& some : {form, more}) all.insert(all.end(), some.begin(), some.end());
+      EXPECT_EQ(run(all).status, 0);
+      const Finished checked = run({"check", folder / name, "--machine", laser, "--json"});
+      EXPECT_EQ(checked.status, 0) << checked.err;
+      return nlohmann::json::parse(checked.out);
+    };
+    const auto lit = program("lit.ngc", {}), dark = program("dark.ngc", {"--dry"});
+    const std::string text = read(folder / "dark.ngc");
+    EXPECT_EQ(text.find_first_of("S"), std::string::npos) << text.substr(0, 200);
+    EXPECT_EQ(text.find("M3"), std::string::npos);
+    EXPECT_EQ(text.find("M4"), std::string::npos);
+    EXPECT_EQ(dark["low_mm"], lit["low_mm"]);
+    EXPECT_EQ(dark["high_mm"], lit["high_mm"]);
+    EXPECT_NEAR(dark["time_s"].get<double>(), lit["time_s"].get<double>(), 0.5);
+  }
 }
 
 TEST(Raster, refuses_invalid_options) {

@@ -176,7 +176,7 @@ TEST(Settings, wrong_files_are_reported_by_line) {
     return ended.err;
   };
   EXPECT_THAT(restore("a.txt", "$100=200 (x, step/mm)\n\n$120=quick\n"), HasSubstr("a.txt:3: "));
-  EXPECT_THAT(restore("b.txt", "hello\n"), HasSubstr("b.txt:1: 'hello' is no setting"));
+  EXPECT_THAT(restore("b.txt", "hello\n"), HasSubstr("b.txt:1: 'hello' is not a setting"));
   EXPECT_THAT(restore("c.toml", "axes = 3\nlamp_mode = 7\n"), HasSubstr("c.toml:2: "));
   EXPECT_THAT(restore("f.txt", "$100=200\n$100=300\n"), HasSubstr("f.txt:2: the setting is given"));
   EXPECT_THAT(restore("d.txt", "; nothing\n"), HasSubstr("has no settings"));

@@ -60,7 +60,7 @@ TEST_P(Transforms, PutEveryPointWhereTheyShould) {
 }
 
 // Worked out by hand: right-handed axes, turns counterclockwise seen from the tip of the axis,
-// around the middle of the work area, which is the origin of the default machine.
+// around the middle of the work space, which is the origin of the default machine.
 INSTANTIATE_TEST_SUITE_P(
     golden, Transforms,
     testing::Values(

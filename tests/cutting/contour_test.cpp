@@ -218,6 +218,29 @@ TEST(contour, ellipses_and_splines_become_arcs_within_the_tolerance) {
   }
 }
 
+/// An arc of an ellipse that runs backwards (SVG: sweep flag 0) is its mirror image's equal.
+TEST(contour, arcs_of_ellipses_have_as_many_edges_in_both_directions) {
+  Random random(4);
+  for (int i = 0; i < scaled(100, 10); ++i) {
+    const auto any = [&] { return 40 * random.uniform() - 20; };
+    model::Arc forwards{{any(), any(), 0}, {any(), any(), 0}, {any(), any(), 0}, any() / 10, 0};
+    forwards.end = forwards.start + 2 * pi * random.uniform();
+    model::Arc backwards = forwards;
+    std::swap(backwards.start, backwards.end);
+    model::Path path, reversed_path;
+    path.pieces = {forwards};
+    reversed_path.pieces = {backwards};
+    const std::vector<Edge> edges = edges_of(path, 0.001), back = edges_of(reversed_path, 0.001);
+    EXPECT_LT(back.size(), 2 * edges.size() + 4) << i;
+    double length = 0, back_length = 0;
+    for (const Edge& edge : edges) length += length_of(edge);
+    for (const Edge& edge : back) back_length += length_of(edge);
+    EXPECT_NEAR(back_length, length, 1e-5 * length + 1e-5) << i;
+    EXPECT_NEAR(distance(back.front().from, edges.back().to), 0, 1e-9);
+    EXPECT_NEAR(distance(back.back().to, edges.front().from), 0, 1e-9);
+  }
+}
+
 TEST(contour, crossings_are_reported_and_touches_are_not) {
   // A bow tie: its crossing cuts off a loop of half the length.
   const Contour bow = polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}});

@@ -204,7 +204,7 @@ TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
   EXPECT_GT(remedies, 24);
   Operation one = operation(1.2);
   one.lead_in = {LeadShape::line, 0.3, 0.3, 90};
-  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.6 mm, or none"));
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.6 mm, which fits there, or none"));
 }
 
 /// The best start point is a notch where no lead fits; at another point a smaller one does.

@@ -125,16 +125,8 @@ TEST(depth_model, passes_are_whole_and_just_enough) {
   }
 }
 
-TEST(depth_model, best_feed_is_a_measured_one) {
-  const auto text = [](const std::vector<Row>& rows, double thickness_mm) {
-    const BestFeed best = best_feed(measured(rows), thickness_mm, 100);
-    return fmt::format("{:g} mm/s {} passes {:.2f} min", best.at.feed_mm_s, best.passes,
-                       best.time_s / 60);
-  };
-  EXPECT_EQ(text(pmma_rows, 6), "6 mm/s 17 passes 4.72 min");
-  EXPECT_EQ(text(plywood_rows, 5), "3 mm/s 7 passes 3.89 min");
-  EXPECT_EQ(text(fibreboard_rows, 5), "1 mm/s 15 passes 25.00 min");
-  // The model itself would choose the fastest feed.
+/// So best_cut() chooses among measured feeds (tests/material/depth_fit_test.cpp).
+TEST(depth_model, the_model_prefers_the_fastest_feed) {
   const DepthFit fit = fit_depth(pmma, measured(pmma_rows));
   EXPECT_LT(cut_time_s(100, 9.8, passes_through(6, cut_depth_mm(pmma, 9.8, fit.correction))),
             cut_time_s(100, 6, passes_through(6, cut_depth_mm(pmma, 6, fit.correction))));
@@ -178,7 +170,6 @@ TEST(depth_model, wrong_numbers_are_refused) {
   EXPECT_THROW(passes_through(10, 1e-9), Error);
   EXPECT_THROW(fit_depth(pmma, {}), Error);
   EXPECT_THROW(fit_depth(pmma, {{1, 2}, {1, 2.1}}), Error);
-  EXPECT_THROW(best_feed({}, 3, 100), Error);
 }
 
 }  // namespace

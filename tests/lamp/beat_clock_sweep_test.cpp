@@ -470,14 +470,14 @@ TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
           if (edge.flash == 15) {
             ASSERT_TRUE(clock.locked() && info.valid);
             promised = clock.min_tick_q16(32 * clock.beat_ticks());
-            clock.set_least_tick(0, promised);
+            clock.set_min_tick(0, promised);
             clock.set_motion_end(ever);
           }
           // The next window is planned for shorter ticks; it begins some beats later.
           if (edge.flash == 35) {
             from = clock.tick_of_beat(clock.beat_at_or_after(clock.next_tick()) + 4);
             later = promised - promised / 100;
-            clock.set_least_tick(from, later);
+            clock.set_min_tick(from, later);
           }
         },
         [&](const TickSpan& span) {

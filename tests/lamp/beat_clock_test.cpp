@@ -279,7 +279,7 @@ TEST(BeatClock, NeverPassesTheSlewLimitWhileMoving) {
           clock.set_motion_end(ever);
           if (promised != 0) return;
           promised = clock.min_tick_q16(5 * ticks_per_second);
-          clock.set_least_tick(0, promised);
+          clock.set_min_tick(0, promised);
         },
         [&](const TickSpan& span) {
           if (!clock.locked() || checked++ == 0) return;

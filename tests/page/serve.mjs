@@ -155,7 +155,7 @@ async function use_records(page, server) {
 
 async function go_by_click(page, server) {
   await page.click('#view-area');
-  await until('the work area is shown', () => page.ask(`!document.getElementById('view').hidden`));
+  await until('the work space is shown', () => page.ask(`!document.getElementById('view').hidden`));
   await page.ask(`document.getElementById('go').click()`);
   await page.ask(`document.getElementById('view').scrollIntoView()`);
   await page.frames(2);

@@ -42,7 +42,7 @@ async function load(page) {
   await page.frames(2);
 }
 
-// By the handles in the view from above, whose middle is the middle of the work area.
+// By the handles in the view from above, whose middle is the middle of the work space.
 async function use_handles(page) {
   const box = await page.ask(`(() => {
     const { x, y, width, height } = document.getElementById('marks').getBoundingClientRect();

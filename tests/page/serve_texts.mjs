@@ -57,7 +57,7 @@ try {
   await drop(page, 'line.ngc', 'G21G90\nG1X5F600\n');
   await until('the program is checked', async () => /mm⟧/.test(await text_of(page, 'checked')));
   await page.click('#view-area');
-  await until('the work area is shown', () => page.ask(`!document.getElementById('view').hidden`));
+  await until('the work space is shown', () => page.ask(`!document.getElementById('view').hidden`));
   // From the lowest list to the highest one, because each list moves what is below it.
   await page.click('#read');
   await until('settings are read', () => page.ask(`document.querySelectorAll('#settings tr').length > 50`));
@@ -65,7 +65,7 @@ try {
   await until('materials are read', () => page.ask(`document.querySelectorAll('#materials tbody tr').length > 0`));
   await page.click('#history-read');
   await until('there is no history', async () => /⟦/.test(await text_of(page, 'history-text')));
-  await expect_translated(page, 'lists, settings, work area');
+  await expect_translated(page, 'lists, settings, work space');
   await drop(page, 'corners.xyz', model);
   await until('the model is listed', () => page.ask(`document.getElementById('models').value === 'corners.xyz'`));
   await drop(page, 'bad.exe', 'MZ');

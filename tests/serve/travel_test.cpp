@@ -1,4 +1,4 @@
-// The travel of the board by its own settings: the work area of pages, limits of a motion to
+// The travel of the board by its own settings: the work space of pages, limits of a motion to
 // a place; jogs while a program waits for a tool.
 #include <gmock/gmock.h>
 

@@ -10,9 +10,9 @@
 // main loop uses the core's shared data, for a short time each.
 //
 // Core 1 only plans: no interrupts, no outputs, no flash. It sleeps until core 0 hands it a plan;
-// machine/job_runner.hpp lists the ownership of data meanwhile. If it does not start (another
-// simulator, a debugger) the main loop plans, slice by slice, with all interrupts enabled. An
-// e-stop never waits for planning; a fault on core 1 ends in the same handler; a slice that does
+// machine/runners/job_runner.hpp lists the ownership of data meanwhile. If it does not start
+// (another simulator, a debugger) the main loop plans, slice by slice, with all interrupts enabled.
+// An e-stop never waits for planning; a fault on core 1 ends in the same handler; a slice that does
 // not end does not sign, and the watchdog restarts both cores.
 #pragma once
 

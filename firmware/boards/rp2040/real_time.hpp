@@ -146,8 +146,8 @@ class RealTime {
   ProgramPins programs_;
   Estop estop_;
   Inputs inputs_;
-  std::array<StepPosition, Inputs::most> places_{};  ///< position when each began to change
-  std::uint8_t placed_ = 0;                          ///< a bit for each known position
+  std::array<StepPosition, Inputs::max_inputs> places_{};  ///< position when each began to change
+  std::uint8_t placed_ = 0;                                ///< a bit for each known position
   std::uint64_t start_us_ = 0;
   std::uint64_t now_ = 0;       ///< present clock at the last call of now()
   std::uint32_t now_us_ = 0;    ///< lower half of the timer at that call

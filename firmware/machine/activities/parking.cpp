@@ -10,8 +10,8 @@ namespace {
 using settings::Id;
 
 constexpr int lift_axis = 2;
-/// A move ends within a millionth of a step of its target (motion/profile.hpp): closer than this is
-/// there.
+/// A move ends within a millionth of a step of its target (motion/profile/profile.hpp): closer than
+/// this is there.
 constexpr Int128 there_q64{std::int64_t{1} << 50};
 
 /// Steps per tick of a feed rate in um/min, limited to the maximum rate of the axis.

@@ -97,7 +97,7 @@ void JobRunner::commit_plan() {
   const std::uint64_t staged_tick = plan_state_.tick;
   start_later();
   if (plan_state_.tick != staged_tick) staged_ = 0;  // will be staged again
-  clock_.set_least_tick(plan_state_.tick, plan_.min_tick_q16());
+  clock_.set_min_tick(plan_state_.tick, plan_.min_tick_q16());
   clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
   const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);

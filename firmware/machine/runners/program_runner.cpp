@@ -163,7 +163,7 @@ void ProgramRunner::run_detour(const stepper::Segment& motion) {
   stepper::Segment segment = motion;
   segment.start_tick = start_tick();
   segment.end.tick = segment.end_tick();
-  clock_.set_least_tick(segment.start_tick, tick_q16_);
+  clock_.set_min_tick(segment.start_tick, tick_q16_);
   segments_.push(segment);
   end_tick_ = segment.end_tick();
   clock_.set_motion_end(end_tick_);
@@ -334,7 +334,7 @@ bool ProgramRunner::commit() {
     staged_ = false;  // will be staged again
     return false;
   }
-  if (resting_) clock_.set_least_tick(start, tick_q16_);
+  if (resting_) clock_.set_min_tick(start, tick_q16_);
   segments_.take_back(brakes_);
   write(0, segments_.stage());
   const bool ends = work.ends_at_rest();

@@ -14,8 +14,8 @@ constexpr Move pair_moves[] = {{1, -2}, {-2, 1}};
 Box widened(const Box& box, std::int32_t beats, int axes) {
   Box wide = box;
   for (int a = 0; a < axes; ++a) {
-    wide[index(a)].lo_qs -= hair_qs + beats;
-    wide[index(a)].hi_qs += hair_qs + beats;
+    wide[index(a)].lo_qs -= rounding_tolerance_qs + beats;
+    wide[index(a)].hi_qs += rounding_tolerance_qs + beats;
   }
   return wide;
 }

@@ -1,6 +1,6 @@
 // Improves the beats of a window, and finds the speeds they allow at every point.
 //
-// In:  a window and feasible beats (beam.hpp).
+// In:  a window and feasible beats (beam_search.hpp).
 // Out: beats, no more in total; per point the box of speeds that the start can reach and from which
 //      the end can be reached.
 // Who: the planner (main loop, or the core that plans), point by point; budget: some tens of label
@@ -21,7 +21,7 @@
 namespace lamplock::motion {
 
 /// Tolerance for rounding at a bound, in addition to a unit for each beat.
-inline constexpr std::int32_t hair_qs = 4;
+inline constexpr std::int32_t rounding_tolerance_qs = 4;
 
 /// Improves one window at a time.
 class Improver {

@@ -191,7 +191,8 @@ void Planner::restore_first() {
 }
 
 void Planner::choose_speeds() {
-  choose_quiet_speeds(window_, improver_, beats_, static_cast<int>(at_), start_qs_[at_], speed_qs_);
+  choose_smooth_speeds(window_, improver_, beats_, static_cast<int>(at_), start_qs_[at_],
+                       speed_qs_);
   if (++at_ < static_cast<std::uint32_t>(limits_->axes)) return;
   at_ = 0;
   phase_ = Phase::segments;

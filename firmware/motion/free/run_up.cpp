@@ -178,8 +178,8 @@ std::int32_t steady_beats(const Window& window, const PerAxis<std::int32_t>& sta
   for (int a = 0; a < window.axes(); ++a) {
     const std::int64_t d = way.displacement_qs[index(a)];
     const std::int32_t speed = mean_speed(d, beats).down_qs;
-    if (abs64(window.ways[0].displacement_qs[index(a)] - d) > hair_qs) return 0;
-    if (abs64(std::int64_t{start_qs[index(a)]} - speed) > 4 * hair_qs) return 0;
+    if (abs64(window.ways[0].displacement_qs[index(a)] - d) > rounding_tolerance_qs) return 0;
+    if (abs64(std::int64_t{start_qs[index(a)]} - speed) > 4 * rounding_tolerance_qs) return 0;
     for (std::uint32_t i = 0; i < window.count; ++i)
       if ((i > 1 && window.ways[i].displacement_qs[index(a)] != d) ||
           !window.ways[i].allowed[index(a)].contains(speed))

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t max_labels = 8;
 
 /// Limits of the search.
 struct Effort {
-  std::uint32_t labels = 1;          ///< kept per point (beam.hpp), 1..max_labels
+  std::uint32_t labels = 1;          ///< kept per point (beam_search.hpp), 1..max_labels
   std::int32_t candidate_share = 4;  ///< candidates of k beats are 1 + k/share apart
   bool pairs = false;                ///< moves between two ways (beat_reduction.hpp)
 };

@@ -10,7 +10,7 @@ namespace {
 /// Ticks of a segment have 31 bits.
 constexpr std::uint32_t max_segment_ticks = 0x7fffffff;
 /// Tolerance so that the end speed of a plan is a feasible start speed of the next one.
-constexpr std::int32_t start_slack_qs = 2 * hair_qs;
+constexpr std::int32_t start_slack_qs = 2 * rounding_tolerance_qs;
 /// Share of a braking distance reserved for rounding: 1/256.
 constexpr int ramp_share_bits = 8;
 
@@ -160,11 +160,13 @@ std::int64_t Planner::end_speed_q62(std::uint32_t i, int a, Int128 way_q62) cons
   // As precise as possible without a long division.
   const std::int32_t near_qs =
       mean_speed(window_.ways[i].displacement_qs[index(a)], beats_[i]).down_qs;
-  if (abs64(std::int64_t{speed_qs_[i][index(a)]} - near_qs) > 2 * hair_qs) return speed;
+  if (abs64(std::int64_t{speed_qs_[i][index(a)]} - near_qs) > 2 * rounding_tolerance_qs)
+    return speed;
   const std::int64_t mean =
       way_q62.divided_by(static_cast<std::uint32_t>(beats_[i]) * limits_->beat_ticks).to_int64();
   const AxisScale& scale = limits_->axis[index(a)].scale;
-  return abs64(speed - mean) <= limits_->speed_q62(a, scale.q32(hair_qs)) ? mean : speed;
+  return abs64(speed - mean) <= limits_->speed_q62(a, scale.q32(rounding_tolerance_qs)) ? mean
+                                                                                        : speed;
 }
 
 /// Changes the profile of an axis to keep all limits; false if none does.

@@ -65,7 +65,7 @@ class AxisSpeeds {
   }
   /// Limits a speed to those from which the next one can be reached.
   void join(std::uint32_t i) {
-    const std::int32_t after = at(i + 1), slack = hair_qs + beats_[i + 1];
+    const std::int32_t after = at(i + 1), slack = rounding_tolerance_qs + beats_[i + 1];
     SpeedRange can;
     if (!reach(axis_, {after - slack, after + slack}, mean(i + 1), beats_[i + 1], can)) return;
     at(i) = both(boxes_.forwards(i)[a_], can).clamp(at(i));
@@ -84,8 +84,8 @@ class AxisSpeeds {
 
 }  // namespace
 
-void choose_quiet_speeds(const Window& window, const Improver& boxes, const Beats& beats, int axis,
-                         std::int32_t start_qs, Speeds& speeds_qs) {
+void choose_smooth_speeds(const Window& window, const Improver& boxes, const Beats& beats, int axis,
+                          std::int32_t start_qs, Speeds& speeds_qs) {
   AxisSpeeds(window, boxes, beats, axis, start_qs, speeds_qs).choose();
 }
 

@@ -1,4 +1,4 @@
-// The quiet plan: chooses the speeds at the points, after their beats are known.
+// Chooses smooth speeds at the points, after their beats are known.
 //
 // In:  a window, its beats, and the boxes of speeds that they allow (beat_reduction.hpp).
 // Out: one speed per point and axis such that every way can be run, with about the least sum over
@@ -24,8 +24,8 @@ namespace lamplock::motion {
 using Speeds = std::array<PerAxis<std::int32_t>, window_points>;  ///< normalised and scaled
 
 /// Chooses the speeds of one axis at the ends of all ways. `start_qs`: speed at the start.
-void choose_quiet_speeds(const Window& window, const Improver& boxes,
-                         const std::array<std::int32_t, window_points>& beats, int axis,
-                         std::int32_t start_qs, Speeds& speeds_qs);
+void choose_smooth_speeds(const Window& window, const Improver& boxes,
+                          const std::array<std::int32_t, window_points>& beats, int axis,
+                          std::int32_t start_qs, Speeds& speeds_qs);
 
 }  // namespace lamplock::motion

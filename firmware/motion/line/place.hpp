@@ -1,6 +1,7 @@
 // Where lines of a program end: a step, and the offset from its middle.
 //
-// In:  programmed places, rounded once (machine/program_motion.hpp); where the machine rests.
+// In:  programmed places, rounded once (machine/runners/program_motion.hpp); where the machine
+//      rests.
 // Out: places to 1/256 step, and the ways between them.
 // Who: the line planner, once or a few times per line pushed.
 //

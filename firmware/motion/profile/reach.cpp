@@ -17,7 +17,7 @@ class Leg {
       : q_(q),
         beats_(beats),
         limit_(limit),
-        most_(max_q32),
+        max_q32_(max_q32),
         square_(std::int64_t{beats * beats} << 32),
         numerator_(q - square_ / 2),
         slack_(numerator_ >= 0 ? 1 : beats),
@@ -39,7 +39,7 @@ class Leg {
   std::int64_t q_;
   std::int32_t beats_;
   std::int64_t limit_;
-  std::int64_t most_;
+  std::int64_t max_q32_;
   std::int64_t square_;  ///< beats^2
   std::int64_t numerator_;
   std::int64_t slack_;
@@ -53,7 +53,7 @@ void Leg::raise(Start& start) const {
     if (suffices(start.way_q32)) return;
     start.v_q32 = numerator_ / beats_ + 1;
   } else {
-    const std::int64_t least = limit_ - sqrt_down_q32(2 * (most_ - q_));
+    const std::int64_t least = limit_ - sqrt_down_q32(2 * (max_q32_ - q_));
     if (start.v_q32 >= least) return;
     start.v_q32 = least;
   }
@@ -67,7 +67,7 @@ std::int64_t Leg::max_end_q32(const Start& start) const {
   const std::int64_t dip = v - (t_q32 - u + 1) / 2;
   std::int64_t end = v + u;
   if (dip < -limit_)
-    end = sqrt_down_q32(2 * (q_ + most_) - mul_q32(v + limit_, v + limit_) - 1) - limit_;
+    end = sqrt_down_q32(2 * (q_ + max_q32_) - mul_q32(v + limit_, v + limit_) - 1) - limit_;
   return end < limit_ ? end : limit_;
 }
 

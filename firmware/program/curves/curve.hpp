@@ -9,7 +9,7 @@
 // The axes outside the plane move evenly from piece to piece. The length counts all axes, also a
 // rotary one by its degrees, as the planner's lines do.
 //
-// A further kind of curve is one file (a header and its source), for example conic.hpp:
+// A further kind of curve, here a conic, is one header and its source:
 //   * a request, which must have `start`, `end` and `plane`;
 //   * a class without initial values (it lives in a union) with
 //       Division begin(const ConicRequest&, std::int64_t other_way_e7);

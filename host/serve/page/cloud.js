@@ -87,7 +87,7 @@ export class CloudView {
     requestAnimationFrame(() => { this.#element('views').dataset.shown = path.places; });
   }
 
-  // The work area alone.
+  // The work space alone.
   async show_area() {
     this.close();
     this.#bounds = await this.#link.call('machine.area');

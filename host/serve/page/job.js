@@ -160,7 +160,7 @@ export class Jobs {
 
   #start() {
     if (!this.name) return this.show_problem(text('job.no-file'));
-    this.#link.tell('job.start', {
+    this.#link.send('job.start', {
       ...this.#file, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
       from: Number(this.#element('from').value),
       // What was shown is what runs: the server refuses a file that was replaced since.

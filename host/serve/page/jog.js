@@ -71,7 +71,7 @@ export class Jogger {
     button?.classList.add('moves');
     this.#renew(() => {
       if (this.#key && performance.now() > this.#key_until) return this.end();
-      this.#link.tell('jog.run', { direction, feed: Number(this.feed.value), seen: this.#link.time });
+      this.#link.send('jog.run', { direction, feed: Number(this.feed.value), seen: this.#link.time });
     });
   }
 
@@ -90,7 +90,7 @@ export class Jogger {
     this.#goes_until = performance.now() + begin_ms;
     this.#renew(() => {
       if (performance.now() > this.#goes_until) return this.end();
-      this.#link.tell('jog.renew', { seen: this.#link.time });
+      this.#link.send('jog.renew', { seen: this.#link.time });
     });
   }
 
@@ -104,7 +104,7 @@ export class Jogger {
   #step(direction, mm) {
     const axis = direction.findIndex((sign) => sign !== 0);
     const length = Number(this.step.value) || mm;
-    this.#link.tell('jog.step', { axis, mm: direction[axis] * length, feed: Number(this.feed.value) });
+    this.#link.send('jog.step', { axis, mm: direction[axis] * length, feed: Number(this.feed.value) });
   }
 
   end() {
@@ -115,6 +115,6 @@ export class Jogger {
     this.#goes_until = 0;
     this.#button?.classList.remove('moves');
     this.#button = null;
-    if (this.#link.is_up) this.#link.tell('jog.stop');
+    if (this.#link.is_up) this.#link.send('jog.stop');
   }
 }

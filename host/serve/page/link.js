@@ -134,7 +134,7 @@ export class Link {
   }
 
   // A request whose answer does not matter.
-  tell(method, params) {
+  send(method, params) {
     this.#ask(method, params).catch((error) => this.#on.failed(error.message));
   }
 }

@@ -56,7 +56,7 @@ const link = new Link(take_token(), {
     element('login').hidden = true;
     element('board').textContent = login.simulated ? text('board.simulated', login) : login.board;
     element('lines').textContent = '';  // the server sends them again
-    if (!whole.control.held) link.tell('control.take');
+    if (!whole.control.held) link.send('control.take');
     jobs.list();
     records.list_macros();
     camera.begin().catch(() => {});
@@ -99,19 +99,19 @@ new Placer(link, element, cloud, show_problem, async (name) => {
 
 element('stop').addEventListener('click', () => {
   jogger.end();
-  link.tell('machine.stop');
+  link.send('machine.stop');
 });
 addEventListener('keydown', (event) => event.key === 'Escape' && element('stop').click());
 for (const name of ['hold', 'resume', 'home', 'unlock'])
-  element(name).addEventListener('click', () => link.tell(`machine.${name}`));
+  element(name).addEventListener('click', () => link.send(`machine.${name}`));
 for (const button of document.querySelectorAll('[data-zero]'))
-  button.addEventListener('click', () => link.tell('machine.zero', { axes: button.dataset.zero }));
+  button.addEventListener('click', () => link.send('machine.zero', { axes: button.dataset.zero }));
 element('control').addEventListener('click', () => {
   show_problem('');
-  link.tell(status.control?.own ? 'control.release' : 'control.take');
+  link.send(status.control?.own ? 'control.release' : 'control.take');
 });
 for (const button of document.querySelectorAll('[data-feed]'))
-  button.addEventListener('click', () => link.tell('machine.feed', { change: button.dataset.feed }));
+  button.addEventListener('click', () => link.send('machine.feed', { change: button.dataset.feed }));
 element('login').addEventListener('submit', async (event) => {
   event.preventDefault();
   const reply = await fetch('/login', {
@@ -132,7 +132,7 @@ element('pairing').addEventListener('submit', async (event) => {
 });
 element('console').addEventListener('submit', (event) => {
   event.preventDefault();
-  if (element('line').value.trim() !== '') link.tell('console.send', { line: element('line').value });
+  if (element('line').value.trim() !== '') link.send('console.send', { line: element('line').value });
   element('line').value = '';
 });
 

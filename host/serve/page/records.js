@@ -57,7 +57,7 @@ export class Records {
       button.textContent = name;
       button.className = 'needs-control';
       button.disabled = this.#element('macro-save').disabled;
-      button.addEventListener('click', () => this.#link.tell('macro.run', { name }));
+      button.addEventListener('click', () => this.#link.send('macro.run', { name }));
       return button;
     }));
     this.#element('macro-names').replaceChildren(...Object.keys(this.#macros).map((name) => new Option(name)));

@@ -576,7 +576,7 @@ bool UsbHost::fits(std::size_t payload, Picoseconds at) const {
 
 void UsbHost::launch(Transaction transaction, Picoseconds at) {
   transaction.address = address_;
-  if (saboteur_) saboteur_(transaction);
+  if (fault_injector_) fault_injector_(transaction);
   engine_.start(transaction, at);
 }
 

@@ -126,7 +126,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
 
   /// Sees every transaction before it goes out and may put faults into it.
   using FaultInjector = std::function<void(usb::Transaction&)>;
-  void set_saboteur(FaultInjector saboteur) { saboteur_ = std::move(saboteur); }
+  void set_fault_injector(FaultInjector injector) { fault_injector_ = std::move(injector); }
   UsbHostOptions& options() { return options_; }
 
   // Timed
@@ -244,7 +244,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   usb::DeviceEnd& device_;
   UsbHostOptions options_;
   usb::TransactionEngine engine_;
-  FaultInjector saboteur_;
+  FaultInjector fault_injector_;
 
   bool plugged_ = false;
   Step step_ = Step::detached;

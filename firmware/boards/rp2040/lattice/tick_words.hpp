@@ -1,6 +1,6 @@
 // Converts spans of ticks to words for TICK.
 //
-// In:  TickSpans of the beat clock.
+// In:  spans of the beat clock.
 // Out: words (ticks - 1 | low time << 16); tick i of a span begins at first_clock +
 //      floor(i * clocks / ticks), exactly the clock that the virtual board calculates.
 // Who: TickFeed (beat interrupt, priority 1). Cost: some 15 cycles a word, no division; one word

@@ -206,9 +206,6 @@ class Assembler {
   consteval Last irq_set(unsigned index, bool relative = false) {
     return put(encode::irq(false, false, index, relative));
   }
-  consteval Last irq_wait(unsigned index, bool relative = false) {
-    return put(encode::irq(false, true, index, relative));
-  }
   consteval Last irq_clear(unsigned index, bool relative = false) {
     return put(encode::irq(true, false, index, relative));
   }

@@ -71,7 +71,7 @@ class DebouncedInput {
 /// All switches of a map.
 class Inputs {
  public:
-  static constexpr std::size_t most = 7;  ///< e-stop, door, probe, three limits, AUX IN
+  static constexpr std::size_t max_inputs = 7;  ///< e-stop, door, probe, three limits, AUX IN
 
   [[gnu::cold]] explicit Inputs(boards::Pins map) {
     using boards::Role;
@@ -109,7 +109,7 @@ class Inputs {
         low_pins_ ^= 1u << switches_[i].gpio;
   }
   /// Calls `begins(i, began_us)` once when switch i may be about to change, and `changed(input,
-  /// active, i)` when it has. `most` is no switch.
+  /// active, i)` when it has. `max_inputs` is no switch.
   template <class Begins, class Changed>
   void poll(std::uint32_t levels, std::uint32_t now_us, Begins&& begins, Changed&& changed) {
     seen_ = levels;
@@ -124,7 +124,7 @@ class Inputs {
   /// The e-stop interrupt occurred: pressed, however short.
   template <class Changed>
   void estop_seen(Changed&& changed) {
-    if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
+    if (switches_[0].input.force()) changed(machine::Input::estop, true, max_inputs);
   }
   bool estop() const { return switches_[0].input.active(); }
   /// From now on the e-stop is pressed, whatever its pin says, or as the pin says.
@@ -160,7 +160,7 @@ class Inputs {
       switches_[i].input.sample((active >> switches_[i].gpio & 1) != 0, now_us);
   }
 
-  std::array<Switch, most> switches_{};
+  std::array<Switch, max_inputs> switches_{};
   std::size_t count_ = 0;
   std::uint32_t pins_ = 0;
   std::uint32_t inverted_ = 0;   ///< pins behind inverters

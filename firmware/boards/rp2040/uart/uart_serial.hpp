@@ -7,7 +7,7 @@
 //      raised.
 //
 // Same interface as UsbSerial, but the other end cannot be made to wait: a full ring or FIFO drops
-// bytes, counts them and marks the gap, so that no line is joined from two (usb/byte_rings.hpp);
+// bytes, counts them and marks the gap, so that no line is joined from two (base/byte_rings.hpp);
 // broken bytes (framing, parity) count as missing. Real-time bytes are never dropped for lack of
 // room. There is no host to detect or lose: always configured, never suspended.
 #pragma once
