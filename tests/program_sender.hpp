@@ -1,8 +1,8 @@
 // The sender of text at the cable of any simulated board.
 //
-// In:  lines and bytes to send, time. Out: the board's lines, whole answers and their times; the
-// first
-//      violation of the protocol. Frames of a job between the lines are skipped.
+// In:  lines and bytes to send, time.
+// Out: the board's lines, whole answers and their times; the first violation of the protocol.
+//      Frames of a job between the lines are skipped.
 // Used by tests and benchmarks of both boards. Counts characters as senders do, and continues after
 // an error.
 #pragma once

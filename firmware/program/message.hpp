@@ -1,10 +1,9 @@
 // Messages in comments: (MSG, text), (DEBUG, text #1), (PRINT, text #<name>).
 //
-// In:  a line, the parameters after it. Out: their texts, one at a time; in those of DEBUG and
-// PRINT
-//      values replace parameters, and %d, %f, %.3f, %lf say with how many decimals: 0, 4, 3, 6
-//      (LinuxCNC, "G-code Overview", 13.6: messages, debug and print messages, parameters in
-//      special comments).
+// In:  a line, the parameters after it.
+// Out: their texts, one at a time; in those of DEBUG and PRINT values replace parameters, and %d,
+//      %f, %.3f, %lf say with how many decimals: 0, 4, 3, 6 (LinuxCNC, "G-code Overview", 13.6:
+//      messages, debug and print messages, parameters in special comments).
 // Who: the console and the host, after a line has been accepted.
 #pragma once
 

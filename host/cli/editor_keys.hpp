@@ -1,9 +1,9 @@
 // Makes whole keys of the bytes that a terminal sends while a line is edited.
 //
-// In:  bytes, in pieces of any size. Out: one text for each key: a character, or the escape
-// sequence
-//      of an arrow or function key. Who: the line editor, whose library would otherwise wait for
-//      the rest of a sequence, and would take its last byte, often `~`, for a key.
+// In:  bytes, in pieces of any size.
+// Out: one text for each key: a character, or the escape sequence of an arrow or function key.
+// Who: the line editor, whose library would otherwise wait for the rest of a sequence, and would
+//      take its last byte, often `~`, for a key.
 //
 // Sources: ECMA-48 (CSI), UTF-8, xterm. Esc alone is no key of the editor.
 #pragma once

@@ -1,8 +1,8 @@
 // Wraps lines for people at words.
 //
-// In:  a line, a number of columns. Out: lines that fit. Who: the console and the progress, for
-// what
-//      they print on a terminal, which would break words.
+// In:  a line, a number of columns.
+// Out: lines that fit.
+// Who: the console and the progress, for what they print on a terminal, which would break words.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,9 @@
 // Sends a program of G-code line by line and monitors it until the machine is at rest.
 //
 // In:  the lines of a program, a port, the requests of the user (hold, resume, stop, real-time
-// bytes). Out: lines and real-time bytes; progress; the result. Who: the command line. Not
-// thread-safe.
+//      bytes).
+// Out: lines and real-time bytes; progress; the result.
+// Who: the command line. Not thread-safe.
 //
 // Characters are counted ("Grbl v1.1 Interface", streaming protocol): a line is sent when it fits
 // into the free part of the board's receive buffer, and leaves it with its ok or error. So the

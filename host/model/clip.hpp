@@ -1,8 +1,8 @@
 // Clips curves to regions of the page (W3C, "CSS Masking Module Level 1", clipping paths).
 //
-// In:  regions by their outlines, a path; mm, only x and y matter. Out: the parts of the path
-// inside
-//      all regions, exact curves whose ends are within flat_mm of the outline.
+// In:  regions by their outlines, a path; mm, only x and y matter.
+// Out: the parts of the path inside all regions, exact curves whose ends are within flat_mm of the
+//      outline.
 // Who: read_svg().
 //
 // A region is the union of shapes. Outlines become polygons with the tolerance flat_mm; what is on

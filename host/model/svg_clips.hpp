@@ -1,8 +1,7 @@
 // Clip paths and simple masks of an SVG as regions (W3C, "CSS Masking Module Level 1").
 //
-// In:  an element with the properties clip-path and mask, its map to mm. Out: the regions that it
-// is
-//      visible in.
+// In:  an element with the properties clip-path and mask, its map to mm.
+// Out: the regions that it is visible in.
 // Who: read_svg().
 //
 // Clip paths consist of shapes and uses of shapes, with their rules, transforms and own clip paths.

@@ -2,9 +2,8 @@
 // in glass": threshold, inversion, vertex distance, number of layers, layer distance, plane,
 // density of points from grey).
 //
-// In:  grey values and opacity, the frame of the picture in the glass. Out: points on a square grid
-// in
-//      parallel planes, row by row from the lowest.
+// In:  grey values and opacity, the frame of the picture in the glass.
+// Out: points on a square grid in parallel planes, row by row from the lowest.
 // Who: discretise.cpp, after the picture has its place and size.
 //
 // Each layer has its grid shifted by another part of the spacing, so that the points of layers are

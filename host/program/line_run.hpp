@@ -2,8 +2,7 @@
 // depends on the lines and on their number in the queue when a batch is planned.
 //
 // In:  lines with their number of bytes on the cable; dwells; changes of the overrides. It starts
-// at
-//      machine zero, at rest.
+//      at machine zero, at rest.
 // Out: the ticks in which the machine is in motion, exactly; the tick at which each line ends, to a
 //      batch. Who: programs of G-code (program_run.hpp), rows of pixels (host/raster).
 #pragma once

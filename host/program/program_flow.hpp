@@ -3,8 +3,7 @@
 // In:  the lines of a program; subs that it does not have are files NAME.ngc in its folder. The
 //      settings of the machine, its state if it is known.
 // Out: the lines in the order in which they are executed, values as numbers, each with the number
-// of
-//      its line in the file; a line of another file has that of the call. M2 and M30 end them.
+//      of its line in the file; a line of another file has that of the call. M2 and M30 end them.
 // Who: `check` and `send`, before they run or send the lines.
 //
 // As in LinuxCNC: parameters #1 to #30 and names without underscore belong to the call of a sub;

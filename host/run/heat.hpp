@@ -1,9 +1,9 @@
 // The temperature of a material below a laser: in depth, along a program, pairs of speed and power,
 // settings of a controller.
 //
-// In:  a material of the library, a laser, a program or a task. Out: temperatures, tables,
-// pictures.
-//      Nothing is written if anything fails. Who: `heat`.
+// In:  a material of the library, a laser, a program or a task.
+// Out: temperatures, tables, pictures. Nothing is written if anything fails.
+// Who: `heat`.
 #pragma once
 
 #include <optional>

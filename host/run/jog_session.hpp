@@ -1,8 +1,8 @@
 // Jogging: the loop round keyboard, pendant, jogger and board.
 //
-// In:  an open board, the choices of the user, keys and events of a pendant. Out: the machine
-// moves;
-//      the view shows it. Who: `jog`.
+// In:  an open board, the choices of the user, keys and events of a pendant.
+// Out: the machine moves; the view shows it.
+// Who: `jog`.
 //
 // One round of the loop takes 2 ms, in which a lost pendant is noticed. A simulated board runs at
 // the pace of the wall clock.

@@ -5,9 +5,9 @@
 // that is smaller, unless that violates a stated minimum distance: that of the weld, or that of the
 // lens, below which the glass cracks. Then this minimum is kept between all points, with a warning.
 //
-// In:  points, layer by layer; the object, the glass. Out: points, what was left out, warnings.
-// Who:
-//      discretise.cpp.
+// In:  points, layer by layer; the object, the glass.
+// Out: points, what was left out, warnings.
+// Who: discretise.cpp.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,7 @@
 // In:  requests to log in, with the address of their computer. Out: a token for each session, which
 //      is used as the token of the server is.
 // Who: the server. The hash is computed in a thread of its own, so that nothing waits for it; one
-// at
-//      a time, so that requests cannot occupy the computer.
+//      at a time, so that requests cannot occupy the computer.
 #pragma once
 
 #include <chrono>

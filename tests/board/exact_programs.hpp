@@ -1,8 +1,8 @@
 // Random programs for the virtual board, and their ends in exact rational numbers.
 //
-// In:  a seed. Out: lines that are valid in sequence and stay near the middle of a work space of 2
-// m,
-//      and the result of the exact interpreter (tests/program/exact_interpreter.hpp).
+// In:  a seed.
+// Out: lines that are valid in sequence and stay near the middle of a work space of 2 m, and the
+//      result of the exact interpreter (tests/program/exact_interpreter.hpp).
 // Used by program_exact_test.cpp.
 //
 // The exact interpreter has no rotation. A rotated stretch of a program is turned by whole right

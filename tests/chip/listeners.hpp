@@ -1,8 +1,7 @@
 // Listeners at a simulated chip, for tests: pads, cores, steps.
 //
 // In:  the events of the simulation; out: records of them. Used by the tests that look at pins or
-// at
-//      the cycles of a core.
+//      at the cycles of a core.
 #pragma once
 
 #include <array>

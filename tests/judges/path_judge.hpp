@@ -1,8 +1,7 @@
 // Judges of the path: the places that a board's drives passed, step by step, against wanted paths.
 //
 // In:  STEP and DIR of X Y Z, from the bus; the pieces of a golden run (golden_case.hpp), or a path
-// of
-//      straight pieces in steps with fractions and the permitted deviation of an axis.
+//      of straight pieces in steps with fractions and the permitted deviation of an axis.
 // Out: places in steps with their times; deviations, as text.
 //
 // WayFollower checks each piece with its end. StaircaseFollower checks that the places are a

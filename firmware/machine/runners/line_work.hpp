@@ -3,8 +3,7 @@
 // In:  lines (inbox), commands: overrides, hold, resume, cancel; where to begin again.
 // Out: some segments, from the end of the previous batch, and the state of the planner.
 // Who: the program runner while the work is at home (work_exchange.hpp); advance(): the main loop
-// or
-//      the core that plans, a batch of at most `max_segments` segments and `batch_ticks`, two to
+//      or the core that plans, a batch of at most `max_segments` segments and `batch_ticks`, two to
 //      five milliseconds on the board. Only the inbox may be filled meanwhile.
 //
 // A batch covers little time, because planned motion no longer responds to a hold or an override.

@@ -5,10 +5,9 @@
 // Out: points, rests and minimum beats of a plan request; whether all targets in reach are known;
 //      the beam that must be ready first.
 // Who: the job runner, main loop. fill_request() takes some 100 us: unmasked, directly before
-// prepare()
-//      (masked), which otherwise calls it. prepare() drops the result at its end, since more points
-//      will be known; so does a change of the next target. The rest is short. The request belongs
-//      to the planner while a plan is handed out (work_exchange.hpp).
+//      prepare() (masked), which otherwise calls it. prepare() drops the result at its end, since
+//      more points will be known; so does a change of the next target. The rest is short. The
+//      request belongs to the planner while a plan is handed out (work_exchange.hpp).
 //
 // A target with several flashes appears in the window once per flash still to come, and alone if
 // there are many: the same position again, at most at the maximum shot rate.

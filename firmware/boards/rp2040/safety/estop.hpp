@@ -1,8 +1,7 @@
 // The e-stop: everything off within a fraction of a microsecond, independent of all other code.
 //
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken);
-// after
-//      an inverter of the board the falling one.
+//      after an inverter of the board the falling one.
 // Out: FIRE and TICK stopped; Q-switch, trigger, gate, ARM, PWM, shutters and the outputs of
 //      programs low; a flag for the main loop, which informs the core and starts the lattice again
 //      without motion; the time of the stop, since lamp edges continue until the main loop reacts.
