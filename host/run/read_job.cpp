@@ -23,7 +23,7 @@ std::string way_to_job(const std::string& file) {
   const std::string job =
       shell_text({std::filesystem::path(file).replace_extension(".llj").string()});
   const std::string name = shell_text({file});
-  const std::string points = fmt::format("make a job of it: lamplock job {} -o {}", name, job);
+  std::string points = fmt::format("make a job of it: lamplock job {} -o {}", name, job);
   if (kind == InputKind::curves) {
     const std::string program =
         shell_text({std::filesystem::path(file).replace_extension(".ngc").string()});
