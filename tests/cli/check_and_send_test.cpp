@@ -260,8 +260,10 @@ TEST(CheckAndSend, LoseNoMessage) {
         shown_messages(begin + "G21\n(MSG, a)\nM3 S9 (MSG, b)\nG1 X1 F600\n(MSG, c)\n", {"--dry"}),
         testing::ElementsAre("a", "b", "c"));
   }
+  constexpr int count = 40;
   std::vector<std::string> numbers;
-  for (int i = 0; i < 40; ++i) numbers.push_back(fmt::format("n {}", i));
+  numbers.reserve(count);
+  for (int i = 0; i < count; ++i) numbers.push_back(fmt::format("n {}", i));
   EXPECT_THAT(shown_messages("G21\n#1=0\no1 repeat [40]\n(PRINT, n %d#1)\n#1=[#1+1]\no1 endrepeat\n"
                              "G1 X1 F600\n"),
               testing::ElementsAreArray(numbers));

@@ -94,7 +94,7 @@ TEST(Raster, dry_programs_are_dark) {
     };
     const auto lit = program("lit.ngc", {}), dark = program("dark.ngc", {"--dry"});
     const std::string text = read(folder / "dark.ngc");
-    EXPECT_EQ(text.find_first_of("S"), std::string::npos) << text.substr(0, 200);
+    EXPECT_EQ(text.find('S'), std::string::npos) << text.substr(0, 200);
     EXPECT_EQ(text.find("M3"), std::string::npos);
     EXPECT_EQ(text.find("M4"), std::string::npos);
     EXPECT_EQ(dark["low_mm"], lit["low_mm"]);

@@ -45,6 +45,7 @@ const std::vector<Row> fibreboard_rows{{0.5, 0.4, {"43.3"}},
 
 std::vector<MeasuredDepth> measured(const std::vector<Row>& rows) {
   std::vector<MeasuredDepth> depths;
+  depths.reserve(rows.size());
   for (const Row& row : rows) depths.push_back({row.feed_mm_s, row.depth_mm});
   return depths;
 }
