@@ -233,10 +233,10 @@ void LinePlanner::begin_line() {
   way_.target = line;
   if (returns_) way_.target = back_;
   way_.way = way_between(place_of(at_), way_.target);
-  longest_axis_ = 0;
+  dominant_axis_ = 0;
   for (int a = 1; a < max_axes; ++a)
-    if (abs64(way_.way.parts[index(a)]) > abs64(way_.way.parts[index(longest_axis_)]))
-      longest_axis_ = a;
+    if (abs64(way_.way.parts[index(a)]) > abs64(way_.way.parts[index(dominant_axis_)]))
+      dominant_axis_ = a;
   length_ = returns_ ? make_shape(way_.way, limits_).length : line.length();
   // The length is 0 if the machine rests at the end of the line since return_to().
   way_.per_length = is_zero(length_) ? UFloat() : UFloat::power(-way_.way.bits) / length_;
@@ -244,7 +244,7 @@ void LinePlanner::begin_line() {
   if (returns_) return;
   // From feed rate and length, because the time itself is not stored.
   time_left_ = line.timed ? length_ / line.feed.real() : UFloat();
-  beam_.begin(line, length_, way_, longest_axis_);
+  beam_.begin(line, length_, way_, dominant_axis_);
 }
 
 UFloat LinePlanner::task_speed(const Line& line, const LineTask& task) const {
@@ -256,7 +256,7 @@ UFloat LinePlanner::task_speed(const Line& line, const LineTask& task) const {
 
 LineTask LinePlanner::task() {
   LineTask task;
-  task.length = whole_ ? length_ : length_left(way_, length_, longest_axis_, at_);
+  task.length = whole_ ? length_ : length_left(way_, length_, dominant_axis_, at_);
   task.start = speed_;
   task.rise = &limits_.rise;
   task.stop = held_;

@@ -176,7 +176,7 @@ class LinePlanner {
   LineWay way_;
   UFloat length_;
   LineBeam beam_;
-  int longest_axis_ = 0;
+  int dominant_axis_ = 0;
   UFloat time_left_;  ///< ticks at 100 %, if it is timed
 };
 
