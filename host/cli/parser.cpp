@@ -223,13 +223,19 @@ std::vector<std::string> with_present_names(const Command& program,
   return arguments;
 }
 
-/// Prints the help of the command before the first -h or --help; false without one.
+/// Prints the help of the command before the first -h or --help; false without one. A wrong name of a
+/// command before it is an error.
 bool print_help(const Command& program, const std::vector<std::string>& arguments) {
   const std::vector<Argument> all = understood(program, arguments);
   const auto asked = std::find_if(all.begin(), all.end(), [](const Argument& argument) {
     return argument.kind == ArgumentKind::option && argument.option == &help_option();
   });
   if (asked == all.end()) return false;
+  const bool is_wrong_name = std::any_of(all.begin(), asked, [](const Argument& argument) {
+    return argument.kind == ArgumentKind::unknown_command;
+  });
+  if (is_wrong_name)
+    if (const auto error = usage_error(program, arguments)) throw Error(*error);
   const auto place = static_cast<std::size_t>(asked - all.begin());
   const HelpKind kind = asked->text == "--help" ? HelpKind::all : HelpKind::common;
   write_text(stdout,

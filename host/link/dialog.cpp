@@ -126,10 +126,6 @@ bool is_aside(const std::string& line) {
   return line.starts_with("[MSG:") || line.front() == '<' || is_banner(line);
 }
 
-}  // namespace
-
-namespace {
-
 /// A held board answers a line only after those before it, but reports its status at once.
 std::optional<BoardStatus> status_in_time(LinePort& port) {
   constexpr Time status_timeout{500'000};

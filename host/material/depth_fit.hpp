@@ -81,6 +81,7 @@ struct Suitability {
   std::string reason;
 };
 
+/// Limits of the procedure "is this laser fit for the material" (docs/materials.md).
 inline constexpr int max_passes_of_trial = 3;
 inline constexpr double min_groove_mm = 0.5;
 

@@ -23,7 +23,9 @@
 
 namespace lamplock::points {
 
-inline constexpr double block_distances = 16;  // side of a block
+/// Side of a block: above max_radius_distances, so that a search needs no block but the neighbours.
+inline constexpr double block_distances = 16;
+/// A lower density is a share of the darts of this radius that is visible (Dart::visible).
 inline constexpr double max_radius_distances = 6;
 /// Relative addition to the distance between darts, so that rounding never makes it less.
 inline constexpr double block_rounding = 1e-12;

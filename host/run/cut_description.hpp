@@ -22,6 +22,7 @@
 
 namespace lamplock::run {
 
+/// Passes of one cut, far above those of any material here: more are taken for a slip in a unit.
 inline constexpr double max_cut_passes = 1000;
 
 struct DrawingChoice {

@@ -31,10 +31,10 @@ struct NearPoint {
 
 class Cloud {
  public:
-  static constexpr std::size_t max_shown = 262'144;  ///< points that a page gets
-  static constexpr std::size_t max_part = 65'536;    ///< of them in one frame
   static constexpr std::size_t bytes_per_point = 8;
-  static constexpr std::size_t max_near = 400;
+  static constexpr std::size_t max_shown = 262'144;  ///< points that a page gets: 2 MiB
+  static constexpr std::size_t max_part = 65'536;    ///< of them in one frame: 512 KiB
+  static constexpr std::size_t max_near = 400;       ///< some 30 KB as text in an answer
 
   explicit Cloud(geometry::PointCloud points);
 

@@ -27,6 +27,7 @@ class Computations {
   void end();
 
  private:
+  /// Far above what pages ask for at once; each may hold a file of a user in memory.
   static constexpr std::size_t max_waiting = 16;
   struct One {
     Work work;

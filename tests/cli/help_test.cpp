@@ -77,6 +77,19 @@ TEST(Help, IsShownByTheCommandHelp) {
   EXPECT_THAT(run({"help", "engrvae"}).err, HasSubstr("did you mean 'engrave'?"));
 }
 
+TEST(Help, OfACommandThatDoesNotExistIsAnError) {
+  const std::vector<std::vector<std::string>> commands{{"nonsense", "--help"},
+                                                       {"nonsense", "-h"},
+                                                       {"settings", "nonsense", "-h"},
+                                                       {"help", "nonsense"}};
+  for (const auto& words : commands) {
+    const Finished result = run(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr("unknown command 'nonsense'"));
+  }
+}
+
 TEST(Help, ShowsRangesAndDefaultsInOneForm) {
   // Wrapped lines are joined.
   const std::string text =
