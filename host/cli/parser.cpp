@@ -223,8 +223,8 @@ std::vector<std::string> with_present_names(const Command& program,
   return arguments;
 }
 
-/// Prints the help of the command before the first -h or --help; false without one. A wrong name of a
-/// command before it is an error.
+/// Prints the help of the command before the first -h or --help; false without one. A wrong name of
+/// a command before it is an error.
 bool print_help(const Command& program, const std::vector<std::string>& arguments) {
   const std::vector<Argument> all = understood(program, arguments);
   const auto asked = std::find_if(all.begin(), all.end(), [](const Argument& argument) {
