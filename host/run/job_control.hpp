@@ -17,6 +17,9 @@
 
 namespace lamplock::run {
 
+/// ProgressState::word of a job or program that a user resumes, and at a pause in it.
+inline constexpr const char *held_word = "held", *pause_word = "pause";
+
 /// Whose time passes while the user thinks.
 enum class Clocking {
   wall,      ///< the machine's: it runs on

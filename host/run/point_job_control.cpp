@@ -44,11 +44,11 @@ ProgressState PointJobControl::state() const {
   else if (machine == wire::MachineState::door)
     shown.word = "door open";
   else if (machine == wire::MachineState::hold)
-    shown.word = "held";
+    shown.word = held_word;
   else if (holding_)
     shown.word = "holding";
   else if (std::binary_search(pauses_.begin(), pauses_.end(), sender_.points_fired()))
-    shown.word = "pause";
+    shown.word = pause_word;
   else if (machine == wire::MachineState::run && !sender_.job_status().lamp_locked &&
            sender_.job().keeps_to_lamp())
     shown.word = "no lamp";

@@ -70,7 +70,7 @@ ProgressState ProgramControl::state() const {
   else if (sender_.runs_host_line())
     shown.word = "user command";
   else if (asking_ || sender_.status().is("Hold"))
-    shown.word = sender_.at_pause() ? "pause" : "held";
+    shown.word = sender_.at_pause() ? pause_word : held_word;
   if (!sender_.status().of_work) shown.place = sender_.status().position;
   if (feed_percent_ != full_percent) shown.speed = fmt::format("feed {} %", feed_percent_);
   return shown;

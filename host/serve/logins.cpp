@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/serve/access.hpp"
+#include "host/serve/client_json.hpp"
 #include "host/serve/hashes.hpp"
 
 namespace lamplock::serve {
@@ -45,7 +46,7 @@ bool Logins::is_session(std::string_view token) {
 }
 
 void Logins::request(const std::string& body, const std::string& address, Answer answer) {
-  const auto request = nlohmann::json::parse(body, nullptr, false);
+  const auto request = client_json(body);
   const auto password = request.is_object() ? request.find("password") : request.end();
   if (!request.is_object() || password == request.end() || !password->is_string())
     return answer(refused(400, "needs a JSON object with a password"));

@@ -70,6 +70,13 @@ void Machine::run_job(const JobStart& job) {
     const std::lock_guard lock(mutex_);
     view_.board.state = "Run";
   }
+  // Clients know the file by its name, and not the folders of the server.
+  const auto message = [&job] {
+    std::string text = message_of(std::current_exception());
+    for (std::size_t at; (at = text.find(job.path)) != std::string::npos;)
+      text.replace(at, job.path.size(), job.name);
+    return text;
+  };
   std::string end;
   EndedJob ended;
   ended.begin = std::chrono::system_clock::now();
@@ -80,8 +87,7 @@ void Machine::run_job(const JobStart& job) {
       run_file(job, frontend, ended, end);
     end_job(end, "", std::move(ended));
   } catch (...) {
-    end_job(end.empty() || end == "done" ? "failed" : end, message_of(std::current_exception()),
-            std::move(ended));
+    end_job(end.empty() || end == "done" ? "failed" : end, message(), std::move(ended));
   }
 }
 

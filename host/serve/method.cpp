@@ -239,7 +239,7 @@ constexpr std::array table{
     Method{"jog.stop", Right::all, none, "Ends a jog.", "nothing"},
     Method{"settings.get", Right::all, none, "The settings of the board, at rest.",
            "list of `number`, `name`, `unit`, `min`, `max`, `whole`, `default`, `value`, `about`"},
-    Method{"settings.set", Right::control, set_parameters,
+    Method{"settings.set", Right::firing, set_parameters,
            "Changes settings, all or none, and reads them back.", "the changed settings"}};
 
 constexpr std::array type_names{"text",          "number",          "whole number",

@@ -10,7 +10,10 @@
 
 #include "host/error.hpp"
 #include "host/link/program_lines.hpp"
+#include "host/run/job_control.hpp"
+#include "host/run/program_control.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/client_json.hpp"
 #include "host/serve/error_message.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/multipart.hpp"
@@ -54,11 +57,18 @@ WebReply rest_refusal(int status, const std::string& text) {
 
 WebReply no_content() { return {204, "application/json", ""}; }
 
+/// Whether a running job waits for a resume. While it waits for a lamp or a connection, a pause has
+/// to hold it.
+bool is_held(const JobView& job) {
+  return job.is_running && (job.word == run::held_word || job.word == run::pause_word ||
+                            job.word == run::tool_change_word);
+}
+
 /// The state in OctoPrint's words.
 Json rest_state(const MachineView& view) {
   const bool is_alarm = view.board.state.starts_with("Alarm");
   const bool is_open = view.board.is_connected;
-  const bool is_paused = view.job.is_running && !view.job.word.empty();
+  const bool is_paused = is_held(view.job);
   const bool is_printing = view.job.is_running && !is_paused;
   const char* text = !is_open      ? "Offline"
                      : is_alarm    ? "Error"
@@ -151,7 +161,7 @@ WebReply OctoPrint::get(const std::string& path, const MachineView& view) const 
 
 WebReply OctoPrint::post(const std::string& path, const WebRequest& request, Machine& machine) {
   if (path == files) return take_file(request, machine);
-  const Json body = Json::parse(request.body, nullptr, false);
+  const Json body = client_json(request.body);
   if (!body.is_object()) return rest_refusal(400, "the body is not a JSON object");
   if (path == "login")
     return json_reply(200, {{"name", "lamplock"}, {"active", true}, {"user", true}});
@@ -226,8 +236,7 @@ void OctoPrint::take_job_command(const Json& body, Machine& machine) {
   if (command == "cancel") return machine.stop();
   if (!job.is_running) throw Error(Exit::job_failed, "job", "no job runs", "start one");
   const std::string action = body.value("action", std::string("toggle"));
-  const bool is_paused = !job.word.empty();
-  if (action == "resume" || (action == "toggle" && is_paused)) {
+  if (action == "resume" || (action == "toggle" && is_held(job))) {
     require_right_();
     return machine.resume();
   }

@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/camera.hpp"
+#include "host/serve/client_json.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/computations.hpp"
 #include "host/serve/history.hpp"
@@ -43,6 +47,12 @@ constexpr auto login_time = 5s;
 constexpr auto time_interval = 100ms;
 constexpr std::size_t max_answers = 64;
 constexpr std::size_t min_secret = 16, max_secret = 64;
+
+/// Methods that act each time, whatever id their request has.
+bool ends_motion(const Method& method) {
+  constexpr std::array<std::string_view, 3> names{"machine.stop", "machine.hold", "jog.stop"};
+  return std::find(names.begin(), names.end(), method.name) != names.end();
+}
 
 WebReply refusal(int status, const std::string& text) {
   return {status, "text/plain; charset=utf-8", text + "\n"};
@@ -233,8 +243,9 @@ bool Server::has_client(const std::string& secret) const {
 // Requests.
 
 void Server::take_request(const std::string& text, Call call) {
-  const Json request = Json::parse(text, nullptr, false);
+  const Json request = client_json(text);
   call.id = "null";
+  call.request = std::hash<std::string>()(text);
   if (request.is_discarded()) return fail(call, code::parse, "is not valid JSON");
   if (!request.is_object()) return fail(call, code::request, "must be one request");
   const Json id = request.value("id", Json());
@@ -259,16 +270,19 @@ void Server::take_request(const std::string& text, Call call) {
     fail(call, code::refused, "login must be the first message");
     return web_->drop(call.client);
   }
-  if (!was_called(call)) call_method(*method, call);
+  if (ends_motion(*method) || !was_called(call)) call_method(*method, call);
 }
 
 /// A request that was sent a second time, over a new connection perhaps, gets the same answer.
 bool Server::was_called(const Call& call) {
   if (call.secret.empty()) return false;
   Person& caller = person(call.secret);
-  const auto [known, is_new] = caller.answers.try_emplace(call.id);
+  const auto [known, is_new] = caller.answers.try_emplace(call.id, Answered{call.request, {}});
   if (!is_new) {
-    if (!known->second.empty()) call.respond(known->second);
+    if (known->second.request != call.request)
+      fail(call, code::request, "has the id of another request; give each request its own");
+    else if (!known->second.answer.empty())
+      call.respond(known->second.answer);
     return true;
   }
   caller.ids.push_back(call.id);
@@ -332,8 +346,8 @@ void Server::finish(const Call& call, const Json& response) {
   const std::string text = text_of(response);
   if (const auto caller = persons_.find(call.secret); caller != persons_.end())
     if (const auto open = caller->second.answers.find(call.id);
-        open != caller->second.answers.end() && open->second.empty())
-      open->second = text;
+        open != caller->second.answers.end() && open->second.request == call.request)
+      open->second.answer = text;
   call.respond(text);
 }
 

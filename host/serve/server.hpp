@@ -81,12 +81,17 @@ class Server final : public WebSite {
   using Json = nlohmann::json;
   using Respond = std::function<void(const std::string&)>;
 
+  /// A request that a client may send again.
+  struct Answered {
+    std::size_t request = 0;  ///< hash of its text
+    std::string answer;       ///< empty while the server works on it
+  };
   /// A user of one or several connections, known by the secret of the client.
   struct Person {
     std::string name;
     bool is_paired = false;
-    std::map<std::string, std::string> answers;  ///< by id; empty while it is worked on
-    std::deque<std::string> ids;                 ///< oldest first
+    std::map<std::string, Answered> answers;  ///< by id
+    std::deque<std::string> ids;              ///< oldest first
   };
   struct Client {
     Clock::time_point opened_at{};
@@ -100,6 +105,7 @@ class Server final : public WebSite {
     ClientNumber client = 0;  ///< 0: HTTP
     std::string secret;
     std::string id;                       ///< as JSON
+    std::size_t request = 0;              ///< hash of its text
     std::shared_ptr<const Json> given{};  ///< parameters
     const Json& parameters() const { return *given; }
     Respond respond;

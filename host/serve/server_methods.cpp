@@ -263,6 +263,9 @@ void Server::start_job(const Call& call) {
   job.path = folder_.path_of(job.name).string();
   job.is_dry = call.parameters().value("dry", false);
   job.resumes = call.parameters().value("resume", false);
+  if (job.is_dry && job.resumes)
+    throw Error(Exit::bad_input, "resume", "a dry run has no progress to continue",
+                "leave out resume or dry");
   job.from = call.parameters().value("from", std::size_t{0});
   job.material = material_choice(call.parameters(), options_.library);
   if (const auto revision = call.parameters().find("revision");

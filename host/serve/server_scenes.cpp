@@ -5,6 +5,7 @@
 
 #include "host/error.hpp"
 #include "host/geometry/bounds.hpp"
+#include "host/job/progress_journal.hpp"
 #include "host/run/prepare_job.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/json_places.hpp"
@@ -41,6 +42,15 @@ Json scene_json(const Scene& scene, const std::string& name, Clouds& clouds) {
           {"middle", place_json(scene.middle)}};
 }
 
+/// Throws if the last run of a job has no known end: another job in its place has no record of
+/// the points that are fired.
+void refuse_open_run(const JobFolder& folder, const std::string& name) {
+  const auto run = job::ProgressJournal(folder.path() / (name + ".progress")).read().run;
+  if (run && run->last.progress != job::Progress::ended)
+    throw Error(Exit::job_failed, name, "its last run has no known end",
+                "continue it, or delete the file, before you make the job again");
+}
+
 }  // namespace
 
 void Server::open_scene(const Call& call) {
@@ -72,16 +82,14 @@ void Server::make_job(const Call& call) {
   const std::string name = call.parameters()["name"];
   const std::string made = std::filesystem::path(name).replace_extension(".llj").string();
   folder_.check_name(made);
-  const auto refuse_if_running = [this, made] {
-    const JobView job = machine_->view().job;
-    if (job.is_running && job.name == made)
-      throw Error(Exit::job_failed, made, "the job runs", "wait for its end");
-  };
-  refuse_if_running();
+  const JobView running = machine_->view().job;
+  if (running.is_running && running.name == made)
+    throw Error(Exit::job_failed, made, "the job runs", "wait for its end");
   const auto result = std::make_shared<Json>();
   compute(
       call,
       [result, name, made, folder = folder_, profile = options_.machine.machine] {
+        refuse_open_run(folder, made);
         QuietFrontend frontend;
         const run::JobRequest request{folder.path_of(name).string(),
                                       own_description(folder, name, profile)};

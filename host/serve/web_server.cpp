@@ -76,6 +76,7 @@ WebRequest request_of(const http::request<Body>& message) {
 struct WebServer::Parts {
   class Socket;
   class Exchange;
+  class Place;
 
   Parts(WebSite& its_site, WebLimits its_limits) : site(its_site), limits(its_limits) {}
 
@@ -85,6 +86,7 @@ struct WebServer::Parts {
   WebSite& site;
   WebLimits limits;
   std::size_t connections = 0;
+  std::map<asio::ip::address, std::size_t> by_address;  ///< of `connections`
   ClientNumber last_client = 0;
   std::map<ClientNumber, std::shared_ptr<Socket>> sockets;
   // The context ends before the others: its handlers own connections, which use them.
@@ -92,14 +94,39 @@ struct WebServer::Parts {
   tcp::acceptor acceptor{io};
 };
 
+/// A connection as far as it counts for the limits.
+class WebServer::Parts::Place {
+ public:
+  Place(Parts& parts, asio::ip::address address) : parts_(parts), address_(std::move(address)) {
+    ++parts_.connections;
+    ++parts_.by_address[address_];
+  }
+  ~Place() {
+    --parts_.connections;
+    if (--parts_.by_address[address_] == 0) parts_.by_address.erase(address_);
+  }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+  static bool has_room(const Parts& parts, const asio::ip::address& address) {
+    const auto known = parts.by_address.find(address);
+    return parts.connections < parts.limits.connections &&
+           (known == parts.by_address.end() || known->second < parts.limits.connections_of_address);
+  }
+
+ private:
+  Parts& parts_;
+  asio::ip::address address_;
+};
+
 /// One WebSocket.
 class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Parts& parts, tcp::socket socket)
-      : parts_(parts), number_(++parts.last_client), stream_(std::move(socket)) {
-    ++parts_.connections;
-  }
-  ~Socket() { --parts_.connections; }
+  Socket(Parts& parts, std::unique_ptr<Place> place, tcp::socket socket)
+      : parts_(parts),
+        place_(std::move(place)),
+        number_(++parts.last_client),
+        stream_(std::move(socket)) {}
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
@@ -168,6 +195,7 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   Parts& parts_;
+  std::unique_ptr<Place> place_;
   ClientNumber number_;
   websocket::stream<beast::tcp_stream, false> stream_;  // without compression
   beast::flat_buffer buffer_;
@@ -179,13 +207,12 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
 /// One request of HTTP and its reply, after which the connection is closed.
 class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange> {
  public:
-  Exchange(Parts& parts, tcp::socket socket) : parts_(parts), stream_(std::move(socket)) {
-    ++parts_.connections;
+  Exchange(Parts& parts, std::unique_ptr<Place> place, tcp::socket socket)
+      : parts_(parts), place_(std::move(place)), stream_(std::move(socket)) {
     parser_.header_limit(static_cast<std::uint32_t>(parts_.limits.header_bytes));
     parser_.body_limit(std::numeric_limits<std::uint64_t>::max());  // set after the header, before
                                                                     // any of the body is read
   }
-  ~Exchange() { --parts_.connections; }
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;
 
@@ -209,7 +236,8 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
     if (head.is_upgrade) {
       // Bytes that came after the header before the reply would be lost.
       if (buffer_.size() != 0) return answer({400, "text/plain", "data before the upgrade"});
-      const auto socket = std::make_shared<Socket>(parts_, stream_.release_socket());
+      const auto socket =
+          std::make_shared<Socket>(parts_, std::move(place_), stream_.release_socket());
       return socket->begin(parser_.get());
     }
     const auto length = parser_.content_length();
@@ -262,6 +290,7 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
   }
 
   Parts& parts_;
+  std::unique_ptr<Place> place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{16 * 1024};
   http::request_parser<http::string_body> parser_;
@@ -271,9 +300,12 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
 void WebServer::Parts::accept() {
   acceptor.async_accept([this](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && connections < limits.connections) {
+    const auto address =
+        socket.is_open() ? socket.remote_endpoint(error).address() : asio::ip::address();
+    if (!error && Place::has_room(*this, address)) {
       socket.set_option(tcp::no_delay(true), error);
-      std::make_shared<Exchange>(*this, std::move(socket))->begin();
+      std::make_shared<Exchange>(*this, std::make_unique<Place>(*this, address), std::move(socket))
+          ->begin();
     }
     accept();
   });

@@ -57,7 +57,7 @@ class WebSite {
 };
 
 struct WebLimits {
-  std::size_t connections = 512;
+  std::size_t connections = 512, connections_of_address = 256;
   std::size_t header_bytes = 8192, message_bytes = 256 * 1024;
   std::size_t queue_bytes = 1024 * 1024;  ///< of messages that wait for one client
   std::chrono::milliseconds header_time{10'000}, body_time{60'000}, reply_time{10'000};

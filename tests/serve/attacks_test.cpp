@@ -170,6 +170,46 @@ TEST_F(Attacks, broken_requests) {
   EXPECT_THAT(request(server_->port(), call(deep)).text, HasSubstr("not valid JSON"));
 }
 
+/// Every place where a client puts JSON, before a login too.
+TEST_F(Attacks, deep_requests) {
+  constexpr std::size_t depth = 60'000;  // of 256 KiB that a message may have
+  const std::string list = std::string(depth, '[') + std::string(depth, ']');
+  std::string object;
+  for (std::size_t i = 0; i < depth / 2; ++i) object += R"({"":)";
+  object += "0" + std::string(depth / 2, '}');
+  for (const std::string& deep : {list, object})
+    for (const char* form : {R"({{"jsonrpc":"2.0","id":1,"method":"status","params":{{"a":{}}}}})",
+                             R"({{"jsonrpc":"2.0","id":{},"method":"status"}})",
+                             R"({{"jsonrpc":"2.0","id":1,"method":"status","client":{}}})", "{}"}) {
+      const std::string text = fmt::format(fmt::runtime(form), deep);
+      EXPECT_THAT(request(server_->port(), call(text)).text, HasSubstr("not valid JSON"));
+      RawSocket socket(server_->port());
+      socket.send(upgrade(host()));
+      EXPECT_THAT(socket.read(2s), HasSubstr("101 Switching"));
+      std::string frame{'\x81', static_cast<char>(0x80 | 127)};
+      for (unsigned shift = 64; shift > 0; shift -= 8)
+        frame += static_cast<char>(static_cast<std::uint64_t>(text.size()) >> (shift - 8));
+      socket.send(frame + std::string(4, '\0') + text);
+      EXPECT_THAT(socket.read(2s), HasSubstr("not valid JSON"));
+    }
+}
+
+TEST(Connections, of_one_address_leave_room_for_others) {
+  RunningOptions options;
+  options.limits.connections = 8;
+  options.limits.connections_of_address = 4;
+  RunningServer server(options);
+  const std::string page = get("/", fmt::format("Host: 127.0.0.1:{}\r\n", server.port()));
+  constexpr std::uint8_t attacker = 2, other = 3;
+  {
+    std::list<RawSocket> idle;
+    for (int i = 0; i < 20; ++i) idle.emplace_back(server.port(), attacker);
+    EXPECT_EQ(request(server.port(), page, other).status, 200);
+    EXPECT_EQ(request(server.port(), page, attacker).status, 0);
+  }
+  EXPECT_TRUE(comes_true([&] { return request(server.port(), page, attacker).status == 200; }));
+}
+
 TEST_F(Attacks, upload_that_is_cut_off_or_for_which_the_disk_is_full) {
   const auto upload = [&](const std::string& body) {
     return post("/files/part.ngc", host() + permit() + bytes(), body);

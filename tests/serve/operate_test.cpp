@@ -90,6 +90,37 @@ TEST(Requests, the_same_id_twice_acts_once) {
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 1, 0.02);
 }
 
+TEST(Requests, with_the_id_of_another_request_are_refused) {
+  RunningServer server;
+  RawClient client = server.controller();
+  const auto send = [&](const char* method) {
+    client.send_text(Json{{"jsonrpc", "2.0"}, {"id", "a"}, {"method", method}}.dump());
+    return client.receive(2s).value_or(Json());
+  };
+  EXPECT_TRUE(send("job.list")["result"].is_array());
+  EXPECT_THAT(error_of(send("machine.area")), HasSubstr("give each request its own"));
+  EXPECT_TRUE(send("job.list")["result"].is_array());
+}
+
+TEST(Requests, that_end_motion_act_each_time) {
+  RunningServer server;
+  RawClient client = server.controller();
+  const auto send = [&](const char* method, const Json& parameters) {
+    client.send_text(
+        Json{{"jsonrpc", "2.0"}, {"id", "a"}, {"method", method}, {"params", parameters}}.dump());
+    return error_of(client.receive(2s).value_or(Json()));
+  };
+  server.add_file("long.ngc", "G21G91\nG1X40F60\n");
+  for (int i = 0; i < 2; ++i) {
+    const Json start{{"name", "long.ngc"}};
+    EXPECT_EQ(i == 0 ? send("job.start", start) : error_of(client.call("job.start", start)), "");
+    EXPECT_TRUE(server.wait_for_state("Run"));
+    EXPECT_EQ(send("machine.stop", Json::object()), "");
+    EXPECT_EQ(server.wait_for_end(), "stopped");
+    EXPECT_TRUE(server.wait_for_state("Idle"));
+  }
+}
+
 TEST(Zero, moves_the_work_coordinates) {
   RunningServer server;
   RawClient client = server.controller();
@@ -111,6 +142,12 @@ TEST(Pairing, a_real_board_fires_only_for_paired_clients) {
   EXPECT_THAT(error_of(client.call("job.start", start)), HasSubstr("may not fire"));
   EXPECT_THAT(error_of(client.call("console.send", {{"line", "M3S1"}})), HasSubstr("may not fire"));
   EXPECT_THAT(error_of(client.call("machine.resume")), HasSubstr("may not fire"));
+  const Json changes{{"dead_man", 0}};
+  EXPECT_THAT(error_of(client.call("settings.set", {{"changes", changes}})),
+              HasSubstr("may not fire"));
+  EXPECT_THAT(
+      error_of(client.call("job.start", {{"name", "cut.ngc"}, {"dry", true}, {"resume", true}})),
+      HasSubstr("leave out resume or dry"));
   EXPECT_EQ(error_of(client.call("job.start", {{"name", "cut.ngc"}, {"dry", true}})), "");
   EXPECT_EQ(server.wait_for_end(), "done");
   EXPECT_THAT(error_of(client.call("pair", {{"code", "000000"}})), HasSubstr("4 tries are left"));

@@ -16,9 +16,13 @@ namespace lamplock::serve::test {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-RawSocket::RawSocket(std::uint16_t port) : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
+RawSocket::RawSocket(std::uint16_t port, std::uint8_t source)
+    : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + source);
+  if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw std::runtime_error("no such address");
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
@@ -65,8 +69,8 @@ std::string RawSocket::read_all(std::chrono::milliseconds wait) {
   return all;
 }
 
-Reply request(std::uint16_t port, const std::string& bytes) {
-  RawSocket socket(port);
+Reply request(std::uint16_t port, const std::string& bytes, std::uint8_t source) {
+  RawSocket socket(port, source);
   socket.send(bytes);
   Reply reply;
   reply.text = socket.read_all(5s);

@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 /// A TCP connection to this computer.
 class RawSocket {
  public:
-  explicit RawSocket(std::uint16_t port);
+  /// `source`: the last byte of its own address, 127.0.0.source.
+  explicit RawSocket(std::uint16_t port, std::uint8_t source = 1);
   ~RawSocket();
   RawSocket(RawSocket&& other) noexcept;
   RawSocket(const RawSocket&) = delete;
@@ -42,7 +43,7 @@ struct Reply {
   int status = 0;
   std::string text;
 };
-Reply request(std::uint16_t port, const std::string& bytes);
+Reply request(std::uint16_t port, const std::string& bytes, std::uint8_t source = 1);
 
 /// A WebSocket of JSON-RPC.
 class RawClient {

@@ -11,6 +11,7 @@
 #include "host/file.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/glass/transformation.hpp"
+#include "host/job/progress_journal.hpp"
 #include "host/run/read_job.hpp"
 #include "tests/serve/running_server.hpp"
 
@@ -117,6 +118,20 @@ TEST(Scenes, are_opened_written_and_made) {
   EXPECT_TRUE(std::any_of(job.points.begin(), job.points.end(), [](const geometry::Point& p) {
     return std::hypot(p.x + 3, p.y + 6, p.z - 3) < 0.01;
   }));
+}
+
+TEST(Scenes, keep_a_job_whose_last_run_has_no_known_end) {
+  Served served;
+  EXPECT_EQ(served.result("job.make", {{"name", "a.toml"}})["name"], "a.llj");
+  job::ProgressJournal journal(served.server.folder() / "a.llj.progress");
+  job::ProgressRecord record{job::Progress::running, 1, 2, 3, 0, 4};
+  journal.append(record);
+  const std::string before = read_file((served.server.folder() / "a.llj").string());
+  EXPECT_THAT(served.error("job.make", {{"name", "a.toml"}}), HasSubstr("no known end"));
+  EXPECT_EQ(read_file((served.server.folder() / "a.llj").string()), before);
+  record.progress = job::Progress::ended;
+  journal.append(record);
+  EXPECT_EQ(served.result("job.make", {{"name", "a.toml"}})["name"], "a.llj");
 }
 
 TEST(Scenes, write_nothing_of_bad_input) {
