@@ -128,7 +128,8 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
         break;
       case Step::lights: {
         const Masked masked(mask_);
-        program_.shine_at_rest(reader_.light_power(values_), reader_.light_ticks(values_));
+        program_.shine_at_rest(reader_.light_power(values_), reader_.max_light_power(values_),
+                               reader_.light_ticks(values_));
         break;
       }
       case Step::overrides: {
@@ -144,7 +145,9 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
 void MachineConsole::leave_work_space() {
   const bool answers = !own_line_;
   own_line_ = false;
-  if (!machine_.checks()) {
+  if (machine_.checks()) {
+    reader_.restore_position();
+  } else {
     const Masked masked(mask_);
     raise_alarm(alarm_soft_limit);
   }

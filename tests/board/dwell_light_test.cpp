@@ -66,6 +66,44 @@ TEST_F(DwellLight, ChangesWithThePowerOverride) {
   EXPECT_NEAR(energy_ms(), 0.05 * 200, 0.1);
 }
 
+/// The setting is the limit at any override.
+TEST_F(DwellLight, IsLimitedAfterTheOverride) {
+  begin("M3 S150", "G1 X1.001");
+  ASSERT_TRUE(host_->wait_for_rest());
+  for (int i = 0; i < 10; ++i) host_->send(std::uint8_t{0x9a});  // +10 %
+  host_->send("G4 P0.2\n");
+  host_->run_ms(100);
+  EXPECT_NEAR(power_now(), 0.2, 0.0005);
+  host_->run_ms(200);
+  host_->send("S80\nM3\n");
+  host_->run_ms(100);
+  EXPECT_NEAR(power_now(), 0.16, 0.0005);
+}
+
+/// Light that shines has a fixed power: a lower override ends it, a higher one acts on the next.
+TEST_F(DwellLight, EndsWithALowerOverride) {
+  profile_.settings.set_milli(Id::focus_time, 10'000);
+  for (const char* line : {"G4 P1", "M3"})
+    for (const std::uint8_t lower : {std::uint8_t{0x9b}, std::uint8_t{0x9d}, std::uint8_t{0x99}}) {
+      begin("M3 S100", "G1 X1.001");
+      ASSERT_TRUE(host_->wait_for_rest());
+      if (lower == 0x99) host_->send(std::uint8_t{0x9a});
+      host_->send(fmt::format("{}\n", line));
+      host_->run_ms(100);
+      const double power = power_now();
+      EXPECT_NEAR(power, lower == 0x99 ? 0.11 : 0.1, 0.0005);
+      host_->send(std::uint8_t{0x9c});  // +1 %
+      host_->run_ms(5);
+      EXPECT_EQ(power_now(), power);
+      if (lower == 0x9d) host_->send(lower);  // -1 %, twice
+      host_->send(lower);
+      host_->run_ms(5);
+      EXPECT_EQ(power_now(), 0) << line << " " << int{lower};
+      host_->run_ms(300);
+      EXPECT_EQ(power_now(), 0);
+    }
+}
+
 TEST_F(DwellLight, IsDarkOtherwise) {
   const std::vector<std::pair<std::string, std::string>> dark = {{"M4 S100", "G4 P0.1"},
                                                                  {"M5 S100", "G4 P0.1"},

@@ -93,6 +93,23 @@ TEST(TemperatureLoop, ReachesTheSetPointFromTheColdWithoutWindup) {
   EXPECT_LE(top, hot_k * 1.15);
 }
 
+/// A cold spot raises the power of a cut, but not of light at rest.
+TEST(TemperatureLoop, KeepsTheLimitOfLightAtRest) {
+  job::Profile profile = loop_profile(LoopMode::power);
+  profile.settings.set_milli(settings::Id::focus_power, 20'000);
+  profile.settings.set_milli(settings::Id::focus_time, 1000);
+  HeatedMachine machine(profile);
+  const auto power = [&] { return machine.beam().at(machine.rig.now()).light() / 65535.0; };
+  machine.host.give("G21 G91 M3 S600\nG1 X1 F3000\nG4 P0.3\nG1 X40\n");
+  double moving = 0, resting = 0;
+  while (machine.rig.now() < 600 * ps_per_ms) {
+    machine.host.step(ps_per_ms);
+    (power() > 0.5 ? moving : resting) = std::max(power() > 0.5 ? moving : resting, power());
+  }
+  EXPECT_GT(moving, 0.65);  // more than S600
+  EXPECT_NEAR(resting, 0.2, 0.0005);
+}
+
 // --- a sensor that fails ----------------------------------------------------------------------
 
 struct Break {

@@ -47,6 +47,7 @@ void ProgramReader::end_lock() {
 }
 
 [[gnu::hot]] program::Fault ProgramReader::begin(std::string_view line) {
+  begin_e7_ = interpreter_.machine_e7();
   const program::Fault fault = interpreter_.run(line);
   open_ = !fault;
   jogs_ = false;
@@ -259,11 +260,13 @@ bool ProgramReader::wants_light(const settings::Values& values) const {
 }
 
 std::uint16_t ProgramReader::light_power(const settings::Values& values) const {
-  const auto permitted = static_cast<std::uint16_t>(
+  return power_of(action_.speed_milli, values);
+}
+
+std::uint16_t ProgramReader::max_light_power(const settings::Values& values) const {
+  return static_cast<std::uint16_t>(
       wide_product(motion::full_power, static_cast<std::uint32_t>(values.milli(Id::focus_power))) /
       static_cast<std::uint32_t>(settings::range(Id::focus_power).max_milli));
-  const std::uint16_t power = power_of(action_.speed_milli, values);
-  return power < permitted ? power : permitted;
 }
 
 std::uint32_t ProgramReader::light_ticks(const settings::Values& values) const {

@@ -138,8 +138,10 @@ class ProgramReader {
     taken();
     paused_ = pauses;
   }
-  /// Of a dwell with light, or of light until the next line: power, full_power = all, and ticks.
+  /// Of a dwell with light, or of light until the next line: the power of S and the permitted one,
+  /// full_power = all, and ticks.
   [[gnu::cold]] std::uint16_t light_power(const settings::Values& values) const;
+  [[gnu::cold]] std::uint16_t max_light_power(const settings::Values& values) const;
   [[gnu::cold]] std::uint32_t light_ticks(const settings::Values& values) const;
   /// Gives the move of the probe to the planner.
   void begin_probe() {
@@ -156,6 +158,8 @@ class ProgramReader {
 
   /// Drops the open line; true if there was one.
   bool drop_line();
+  /// In check mode, after a line that was dropped: the position is that before it.
+  void restore_position() { interpreter_.set_position(begin_e7_); }
   /// Drops the open line and those that wait.
   void clear();
   /// After power-up and a reset: drops all lines and sets the modal state to its defaults.
@@ -224,8 +228,9 @@ class ProgramReader {
   JobRunner& points_;
   ProgramOutputs& outputs_;
   program::BeatLock lock_ = program::BeatLock::off;
-  std::uint8_t channel_ = 0;  ///< of shots in a program
-  StepPosition from_{};       ///< where the next move begins
+  std::uint8_t channel_ = 0;   ///< of shots in a program
+  StepPosition from_{};        ///< where the next move begins
+  program::Place begin_e7_{};  ///< position before the open line
   LineQueue queue_;
   PersistentState kept_;
   program::Options options_;

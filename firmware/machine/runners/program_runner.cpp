@@ -72,6 +72,8 @@ void ProgramRunner::set_overrides(std::uint32_t feed_percent, std::uint32_t rapi
                                   std::uint32_t power_percent) {
   orders_.feed_percent = feed_percent;
   orders_.rapid_percent = rapid_percent;
+  // Light at rest has a fixed power: it does not stay brighter than the user has set.
+  if (power_percent < power_percent_) end_light();
   power_percent_ = power_percent;
   generator_.beam().set_percent(power_percent);
 }
@@ -169,9 +171,11 @@ void ProgramRunner::run_detour(const stepper::Segment& motion) {
   clock_.set_motion_end(end_tick_);
 }
 
-void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint32_t ticks) {
+void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint16_t max_power,
+                                  std::uint32_t ticks) {
+  const std::uint16_t wanted = overridden(power);
   const stepper::Segment light =
-      stepper::rest_with_light(generator_.state(), ticks, overridden(power));
+      stepper::rest_with_light(generator_.state(), ticks, wanted < max_power ? wanted : max_power);
   if (ticks == 0 || light.power.cruise == 0 || orders_.held) return;
   run_detour(light);
   shines_at_rest_ = true;

@@ -74,7 +74,7 @@ class ProgramRunner {
   /// lines have other pulses: call again later.
   [[gnu::cold]] bool set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns);
 
-  /// Percent: 10 to 200, 1 to 100, 10 to 200.
+  /// Percent: 10 to 200, 1 to 100, 10 to 200. Masked.
   void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
                      std::uint32_t power_percent);
   /// Stops on the path and stays there.
@@ -94,9 +94,11 @@ class ProgramRunner {
   [[gnu::cold]] void abort_move(bool at_contact = false);
   bool broken_off() const { return broken_off_; }
 
-  /// At rest: the laser has this power, full_power = all, for this number of ticks, or until
-  /// end_light(), a hold or a cancel. Masked.
-  [[gnu::cold]] void shine_at_rest(std::uint16_t power, std::uint32_t ticks);
+  /// At rest: the laser has this power after the override, full_power = all, but at most
+  /// `max_power`, for this number of ticks, or until end_light(), a hold, a cancel or a lower
+  /// override. Masked.
+  [[gnu::cold]] void shine_at_rest(std::uint16_t power, std::uint16_t max_power,
+                                   std::uint32_t ticks);
   /// Ends that light, if it shines. Masked.
   [[gnu::cold]] void end_light();
 
