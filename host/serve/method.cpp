@@ -133,7 +133,7 @@ constexpr std::array table{
     Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
            "`version`, `board`, `simulated`, `paired`"},
     Method{"pair", Right::all, pair_parameters,
-           "Permits this client to start jobs that fire on a real board. Five wrong codes end it.",
+           "Permits this client what has the right `firing` on a real board. Five wrong codes end it.",
            "nothing"},
     Method{"status", Right::all, none, "The whole status.", "`board`, `job`, `control`"},
     Method{"subscribe", Right::all, none,
