@@ -145,9 +145,7 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
 void MachineConsole::leave_work_space() {
   const bool answers = !own_line_;
   own_line_ = false;
-  if (machine_.checks()) {
-    reader_.restore_position();
-  } else {
+  if (!machine_.checks()) {
     const Masked masked(mask_);
     raise_alarm(alarm_soft_limit);
   }

@@ -26,10 +26,12 @@ void MachineWork::follow_temperature() {
     loop_.step(values_, motion_.generator().in_light());
   else
     loop_.rest(values_);
-  if (loop_.mode(values_) == settings::LoopMode::power)
+  if (loop_.mode(values_) == settings::LoopMode::power) {
     motion_.generator().set_power_scale(loop_.scale_q15());
-  else if (loop_.percent() != before)
+    if (program_.shines_at_rest()) motion_.generator().limit_power_scale();
+  } else if (loop_.percent() != before) {
     use_overrides();
+  }
 }
 
 }  // namespace lamplock::machine

@@ -204,7 +204,7 @@ void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
       shines() ? power_stretch(static_cast<std::uint32_t>(tick_)) : PowerStretch{};
   block.power_q16 = power.power_q16;
   block.power_slope_q16 = power.slope_q16;
-  block.power_scale_q15 = power_scale_q15();
+  block.power_scale_q15 = power_scale_q15_;
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
   for (const AxisPair& pair : kinematics_.pairs()) {
     for (const bool second : {false, true})

@@ -76,6 +76,10 @@ class TickGenerator {
 
   /// Scales the power of all ticks that are filled from now on; at most 2. Main loop.
   void set_power_scale(std::uint32_t scale_q15) { power_scale_q15_ = scale_q15; }
+  /// Before light at rest, whose permitted power no scale exceeds.
+  void limit_power_scale() {
+    if (power_scale_q15_ > full_scale_q15) power_scale_q15_ = full_scale_q15;
+  }
   /// The next tick to be filled is in a segment with power. Fill interrupt masked.
   bool in_light() const {
     return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && may_shine_;
@@ -172,12 +176,6 @@ class TickGenerator {
   void fill_bits(std::uint32_t ticks, Board& board);
   template <class Board>
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
-  /// Light at rest has a permitted power, which no scale exceeds.
-  std::uint32_t power_scale_q15() const {
-    const std::uint32_t scale = power_scale_q15_;
-    if (scale <= full_scale_q15 || !shines()) return scale;
-    return queue_.at(laser_.segment).beam_kind == BeamKind::at_rest ? full_scale_q15 : scale;
-  }
   template <class Board>
   void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) const;
   /// The laser is in a segment with power, and the lattice is in a segment that moves or is made
@@ -339,7 +337,7 @@ void TickGenerator::fill_power(std::uint32_t tick, std::uint32_t ticks, Board& b
 
 template <class Board>
 void TickGenerator::put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) const {
-  const auto power = [scale_q15 = power_scale_q15()](std::uint32_t power_q16) {
+  const auto power = [scale_q15 = std::uint32_t{power_scale_q15_}](std::uint32_t power_q16) {
     return scaled_power(rounded_power(power_q16), scale_q15);
   };
   if (stretch.slope_q16 == 0) return board.put_power(power(stretch.power_q16), ticks);

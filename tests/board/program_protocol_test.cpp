@@ -265,13 +265,6 @@ TEST_F(Protocol, CheckModeAnswersAsARunWould) {
   ASSERT_TRUE(host_.wait_for(7, 0.5));
   EXPECT_THAT(host_.answers(), ElementsAre("ok", "ok", "error:20", "ok", "ok", "error:33", "ok"));
   EXPECT_THAT(host_.status(), StartsWith("<Check|MPos:0.000,"));
-  // A refused line leaves the position, of straight moves, arcs and moves by way of another place.
-  EXPECT_THAT(host_.ask("G90 G1 X0 Y0 F600\nG1 X9999\nG2 X10 Y0 I5 J0\n"),
-              ElementsAre("ok", "error:33", "ok"));
-  EXPECT_THAT(host_.ask("G1 X0 Y0\nG2 X60 Y0 I9000 J0\nG3 X10 Y0 I5 J0\nG91 G1 X1\n"),
-              ElementsAre("ok", "error:33", "ok", "ok"));
-  EXPECT_THAT(host_.ask("G90 G1 X0 Y0\nG28 X9999\nG3 X10 Y0 I5 J0\n"),
-              ElementsAre("ok", "error:33", "ok"));
   EXPECT_EQ(host_.count(Said::banner), 1u);
   EXPECT_THAT(host_.ask("$C\n"), Contains("[MSG:Disabled]"));
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));

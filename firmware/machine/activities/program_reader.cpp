@@ -47,7 +47,6 @@ void ProgramReader::end_lock() {
 }
 
 [[gnu::hot]] program::Fault ProgramReader::begin(std::string_view line) {
-  begin_e7_ = interpreter_.machine_e7();
   const program::Fault fault = interpreter_.run(line);
   open_ = !fault;
   jogs_ = false;

@@ -158,8 +158,6 @@ class ProgramReader {
 
   /// Drops the open line; true if there was one.
   bool drop_line();
-  /// In check mode, after a line that was dropped: the position is that before it.
-  void restore_position() { interpreter_.set_position(begin_e7_); }
   /// Drops the open line and those that wait.
   void clear();
   /// After power-up and a reset: drops all lines and sets the modal state to its defaults.
@@ -228,9 +226,8 @@ class ProgramReader {
   JobRunner& points_;
   ProgramOutputs& outputs_;
   program::BeatLock lock_ = program::BeatLock::off;
-  std::uint8_t channel_ = 0;   ///< of shots in a program
-  StepPosition from_{};        ///< where the next move begins
-  program::Place begin_e7_{};  ///< position before the open line
+  std::uint8_t channel_ = 0;  ///< of shots in a program
+  StepPosition from_{};       ///< where the next move begins
   LineQueue queue_;
   PersistentState kept_;
   program::Options options_;

@@ -72,8 +72,6 @@ void ProgramRunner::set_overrides(std::uint32_t feed_percent, std::uint32_t rapi
                                   std::uint32_t power_percent) {
   orders_.feed_percent = feed_percent;
   orders_.rapid_percent = rapid_percent;
-  // Light at rest has a fixed power: it does not stay brighter than the user has set.
-  if (power_percent < power_percent_) end_light();
   power_percent_ = power_percent;
   generator_.beam().set_percent(power_percent);
 }
@@ -177,8 +175,10 @@ void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint16_t max_power,
   const stepper::Segment light =
       stepper::rest_with_light(generator_.state(), ticks, wanted < max_power ? wanted : max_power);
   if (ticks == 0 || light.power.cruise == 0 || orders_.held) return;
+  generator_.limit_power_scale();
   run_detour(light);
   shines_at_rest_ = true;
+  light_percent_ = static_cast<std::uint8_t>(power_percent_);
   stands_ = false;
 }
 
@@ -264,6 +264,8 @@ bool ProgramRunner::prepare() {
   if (brake_begun()) miss();
   stands_ = is_at_rest();
   if (stands_) shines_at_rest_ = false;
+  // Light at rest has a fixed power: it does not stay brighter than the user has set.
+  if (power_percent_ < light_percent_) end_light();
   WorkExchange& work_exchange = planning_.work_exchange();
   if (planning_.may_hand_out() && wants_batch()) hand_out();
   const bool paused = taken_ >= max_taken;

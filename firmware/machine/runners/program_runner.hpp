@@ -74,7 +74,7 @@ class ProgramRunner {
   /// lines have other pulses: call again later.
   [[gnu::cold]] bool set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns);
 
-  /// Percent: 10 to 200, 1 to 100, 10 to 200. Masked.
+  /// Percent: 10 to 200, 1 to 100, 10 to 200.
   void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
                      std::uint32_t power_percent);
   /// Stops on the path and stays there.
@@ -183,6 +183,7 @@ class ProgramRunner {
   bool lost_ = false;               ///< the brake was run: the next batch returns to the path
   bool broken_off_ = false;         ///< the planner does not know the position
   bool shines_at_rest_ = false;     ///< the motion handed out is a dwell with light
+  std::uint8_t light_percent_ = 0;  ///< power override at the begin of that dwell
   bool staged_ = false;             ///< the batch is in the queue, except for its first segment
   std::uint32_t brakes_ = 0;        ///< at the end of the queue: 0 or 1
   std::uint64_t offset_ticks_ = 0;  ///< lattice minus planner
