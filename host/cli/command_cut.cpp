@@ -138,6 +138,14 @@ Exit cut_drawing(const CutOptions& options) {
     if (option->is_given() && !request.is_for_board)
       throw Error(Exit::bad_input, option->name(), "has no effect without a board",
                   "give --board NAME, or leave it out");
+  const auto refuse_in_list = [makes](bool is_given, const char* option) {
+    if (is_given && !makes)
+      throw Error(Exit::bad_input, option, "has no effect on --list",
+                  "give -o FILE.ngc or another output, or leave it out");
+  };
+  refuse_in_list(request.is_dry, "--dry");
+  refuse_in_list(request.is_frame, "--frame");
+  refuse_in_list(request.first != 1, "--from");
   // Before files are written.
   if (request.is_for_board)
     run::check_program_options(

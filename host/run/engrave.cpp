@@ -17,9 +17,30 @@ namespace lamplock::run {
 
 namespace {
 
-/// The description of a job that was continued makes the whole job again: it says so at its begin.
-void warn_in_description(report::Making& making, const BoardOptions& options) {
-  if (making.description.empty() || (options.from == 0 && options.fired == 0)) return;
+void check_saved_options(const JobRequest& request, const BoardOptions& options) {
+  refuse_unsaved(request, options.dry, "--dry");
+  refuse_unsaved(request, request.origin != origin_machine, "--origin");
+  refuse_unsaved(request, options.from != 0, "--from");
+  refuse_unsaved(request, options.fired != 0, "--fired");
+  refuse_unsaved(request, options.resume, "--resume");
+}
+
+/// The description in a report makes the whole job, with light, at the origin of the machine: where
+/// this run was another one, it says so at its begin.
+void warn_in_description(report::Making& making, const JobRequest& request,
+                         const BoardOptions& options) {
+  if (making.description.empty()) return;
+  if (options.dry)
+    making.description =
+        "# This report is about a dry run: without --dry this description fires.\n\n" +
+        making.description;
+  if (request.origin != origin_machine)
+    making.description = fmt::format(
+                             "# This report is about a run with --origin {}: without it the job is "
+                             "in another place.\n\n",
+                             request.origin) +
+                         making.description;
+  if (options.from == 0 && options.fired == 0) return;
   const std::string fired = options.fired == 0 ? "" : fmt::format(" --fired {}", options.fired);
   making.description =
       fmt::format(
@@ -34,6 +55,7 @@ void warn_in_description(report::Making& making, const BoardOptions& options) {
 JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& frontend) {
   options.profile = request.description.machine.profile;
   options.check(input_files(request), request.save);
+  check_saved_options(request, options);
   require_askable(options, frontend);
   auto port = open_job_port(options);
   PreparedJob prepared =
@@ -42,7 +64,7 @@ JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& f
   if (!options.report.empty())
     prepared.making.description = glass::to_text(request.description, options.report);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
-  warn_in_description(prepared.making, options);
+  warn_in_description(prepared.making, request, options);
   subtract_fired(prepared, options);
   return run_job(prepared, options, std::move(port), frontend, kept.get());
 }

@@ -49,6 +49,10 @@ TEST_F(CutOptions, options_without_effect_are_refused) {
                                   Arguments{"--usb", "stream"}, Arguments{"--image", part_}})
     EXPECT_THAT(refused(cut(option)),
                 HasSubstr(option.front() + ": has no effect without a board"));
+  for (const Arguments& option :
+       {Arguments{"--dry"}, Arguments{"--frame"}, Arguments{"--from", "2"}})
+    EXPECT_THAT(refused(cut_part({"--list"}, option)),
+                HasSubstr(option.front() + ": has no effect on --list"));
   EXPECT_EQ(cut({"--surface", "3", "--infeed", "1", "--final-depth", "2"}).status, 0);
   EXPECT_THAT(read(program_), testing::ContainsRegex("G0 Z3 S0\nM5\n"))
       << "the next program begins on the surface";

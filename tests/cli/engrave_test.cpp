@@ -121,6 +121,39 @@ TEST(Engrave, the_rest_of_a_job) {
   expect_exactly(read_shots(folder / "shots.csv"), {points.begin() + 150, points.end()});
 }
 
+/// A rerun of a saved description would fire what these options leave out.
+TEST(Engrave, options_of_a_run_are_not_saved) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", "0 0 0\n1 0 0\n2 0 0\n");
+  const std::string saved = folder / "s.toml", job = folder / "j.llj";
+  using Words = std::vector<std::string>;
+  const std::vector<Words> runs{
+      {"--dry"}, {"--origin", "zero"}, {"--from", "1"}, {"--fired", "1"}, {"--resume"}};
+  for (const Words& options : runs) {
+    Words words{"engrave", points, "--save", saved};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished refused = run(words);
+    EXPECT_EQ(refused.status, 2) << options[0];
+    EXPECT_THAT(refused.err, HasSubstr("error: " + options[0]));
+    EXPECT_FALSE(std::filesystem::exists(saved)) << options[0];
+  }
+  const Finished refused = run({"job", points, "--dry", "--save", saved, "-o", job});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--dry: is not saved in a description; leave it out"));
+  EXPECT_THAT(Folder::files(folder.path()), testing::ElementsAre("p.xyz"));
+}
+
+TEST(Engrave, the_description_in_a_report_names_the_options_of_its_run) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", "0 0 0\n1 0 0\n2 0 0\n");
+  run_json({"engrave", points, "--dry", "--origin", "zero", "--report", folder / "r"});
+  const std::string description = read(folder / "r/job.toml");
+  EXPECT_THAT(description, HasSubstr("without --dry this description fires"));
+  EXPECT_THAT(description, HasSubstr("a run with --origin zero"));
+  // The comment does not spoil it.
+  EXPECT_EQ(run_json({"engrave", folder / "r/job.toml", "--dry"})["points"], 3);
+}
+
 TEST(Engrave, several_flashes_at_each_point) {
   const Folder folder;
   const std::vector<geometry::Point> points = walk(60, 3);
