@@ -31,25 +31,25 @@ class Attacks : public testing::Test {
     RunningOptions options;
     options.limits.header_time = 300ms;
     options.limits.body_time = 300ms;
-    server_ = new RunningServer(options);
+    server = new RunningServer(options);
   }
   static void TearDownTestSuite() {
-    delete server_;
-    server_ = nullptr;
+    delete server;
+    server = nullptr;
   }
   void TearDown() override {  // it still serves
     EXPECT_EQ(status(get("/", host())), 200);
     EXPECT_EQ(status(call(R"({"jsonrpc":"2.0","id":1,"method":"status"})")), 200);
   }
 
-  static std::string host() { return fmt::format("Host: 127.0.0.1:{}\r\n", server_->port()); }
+  static std::string host() { return fmt::format("Host: 127.0.0.1:{}\r\n", server->port()); }
   static std::string permit() { return fmt::format("Authorization: Bearer {}\r\n", token); }
   static std::string json() { return "Content-Type: application/json\r\n"; }
   static std::string bytes() { return "Content-Type: application/octet-stream\r\n"; }
   static std::string call(const std::string& body) {
     return post("/api", host() + permit() + json(), body);
   }
-  static int status(const std::string& text) { return request(server_->port(), text).status; }
+  static int status(const std::string& text) { return request(server->port(), text).status; }
   static std::string upgrade(const std::string& headers) {
     return get("/ws", headers +
                           "Upgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -57,11 +57,11 @@ class Attacks : public testing::Test {
                           "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n");
   }
 
-  static inline RunningServer* server_ = nullptr;
+  static inline RunningServer* server = nullptr;
 };
 
 TEST_F(Attacks, foreign_host_as_after_dns_rebinding) {
-  const std::string port = std::to_string(server_->port());
+  const std::string port = std::to_string(server->port());
   for (const std::string& name : {"example.org:" + port, "127.0.0.1.example.org:" + port,
                                   std::string("127.0.0.1:1"), std::string("127.0.0.1")}) {
     EXPECT_EQ(status(get("/", "Host: " + name + "\r\n")), 403) << name;
@@ -79,7 +79,7 @@ TEST_F(Attacks, foreign_origin) {
          {upgrade(host() + "Origin: " + origin + "\r\n"),
           post("/api", host() + permit() + json() + "Origin: " + origin + "\r\n", "{}")})
       EXPECT_EQ(status(text), 403) << origin;
-  const std::string own = fmt::format("Origin: http://127.0.0.1:{}\r\n", server_->port());
+  const std::string own = fmt::format("Origin: http://127.0.0.1:{}\r\n", server->port());
   EXPECT_EQ(status(get("/", host() + own)), 200);
 }
 
@@ -88,7 +88,7 @@ TEST_F(Attacks, no_token_or_a_wrong_one) {
   EXPECT_EQ(status(post("/files/a.ngc", host() + bytes(), "G0X1\n")), 401);
   const std::string wrong = "Authorization: Bearer 0123456789abcdef0123456789abcdee\r\n";
   EXPECT_EQ(status(post("/api", host() + wrong + json(), "{}")), 401);
-  RawClient client(server_->port(), "wrong", "client-secret-wrong");
+  RawClient client(server->port(), "wrong", "client-secret-wrong");
   EXPECT_TRUE(client.call("machine.stop").is_null());
   EXPECT_TRUE(client.socket().is_closed());
 }
@@ -111,9 +111,9 @@ TEST_F(Attacks, path_that_leaves_the_folder) {
         << name;
   for (const char* target : {"/../page.html", "/page.html", "/etc/passwd", "/files/a.ngc/", "//"})
     EXPECT_NE(status(get(target, host())), 200) << target;
-  EXPECT_TRUE(std::filesystem::is_empty(server_->folder()));
+  EXPECT_TRUE(std::filesystem::is_empty(server->folder()));
   const Reply reply = request(
-      server_->port(),
+      server->port(),
       call(
           R"({"jsonrpc":"2.0","id":1,"method":"job.check","params":{"name":"../../etc/passwd"}})"));
   EXPECT_THAT(reply.text, HasSubstr("no such file"));
@@ -121,7 +121,7 @@ TEST_F(Attacks, path_that_leaves_the_folder) {
 
 TEST_F(Attacks, a_name_in_codes_is_a_name) {
   EXPECT_EQ(status(post("/files/my%20part%28.ngc", host() + permit() + bytes(), "G0\n")), 201);
-  EXPECT_TRUE(std::filesystem::remove(server_->folder() / "my part(.ngc"));
+  EXPECT_TRUE(std::filesystem::remove(server->folder() / "my part(.ngc"));
 }
 
 TEST_F(Attacks, oversized) {
@@ -137,7 +137,7 @@ TEST_F(Attacks, oversized) {
   EXPECT_EQ(status("POST /api HTTP/1.1\r\n" + host() + permit() + json() +
                    "Transfer-Encoding: chunked\r\n\r\n" + chunk + chunk),
             413);
-  RawClient client = server_->client("oversized");
+  RawClient client = server->client("oversized");
   client.send_text(std::string(300 * 1024, ' '));
   client.watch(2s);
   EXPECT_TRUE(client.socket().is_closed());
@@ -146,7 +146,7 @@ TEST_F(Attacks, oversized) {
 TEST_F(Attacks, slow_loris) {
   std::list<RawSocket> slow;
   for (int i = 0; i < 100; ++i) {
-    slow.emplace_back(server_->port());
+    slow.emplace_back(server->port());
     slow.back().send(i % 2 == 0 ? "GET / HT"
                                 : post("/api", host() + permit() + json(), "{}").substr(0, 140));
   }
@@ -165,9 +165,9 @@ TEST_F(Attacks, broken_requests) {
                            R"({"jsonrpc":"2.0","id":1,"method":7})",
                            R"({"jsonrpc":"2.0","id":1,"method":"status","params":[1]})",
                            "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"\xff\"}"})
-    EXPECT_THAT(request(server_->port(), call(body)).text, HasSubstr("\"error\"")) << body;
+    EXPECT_THAT(request(server->port(), call(body)).text, HasSubstr("\"error\"")) << body;
   const std::string deep(100'000, '[');
-  EXPECT_THAT(request(server_->port(), call(deep)).text, HasSubstr("not valid JSON"));
+  EXPECT_THAT(request(server->port(), call(deep)).text, HasSubstr("not valid JSON"));
 }
 
 /// Every place where a client puts JSON, before a login too.
@@ -182,14 +182,16 @@ TEST_F(Attacks, deep_requests) {
                              R"({{"jsonrpc":"2.0","id":{},"method":"status"}})",
                              R"({{"jsonrpc":"2.0","id":1,"method":"status","client":{}}})", "{}"}) {
       const std::string text = fmt::format(fmt::runtime(form), deep);
-      EXPECT_THAT(request(server_->port(), call(text)).text, HasSubstr("not valid JSON"));
-      RawSocket socket(server_->port());
+      EXPECT_THAT(request(server->port(), call(text)).text, HasSubstr("not valid JSON"));
+      RawSocket socket(server->port());
       socket.send(upgrade(host()));
       EXPECT_THAT(socket.read(2s), HasSubstr("101 Switching"));
       std::string frame{'\x81', static_cast<char>(0x80 | 127)};
       for (unsigned shift = 64; shift > 0; shift -= 8)
         frame += static_cast<char>(static_cast<std::uint64_t>(text.size()) >> (shift - 8));
-      socket.send(frame + std::string(4, '\0') + text);
+      frame += std::string(4, '\0');
+      frame += text;
+      socket.send(frame);
       EXPECT_THAT(socket.read(2s), HasSubstr("not valid JSON"));
     }
 }
@@ -216,7 +218,7 @@ TEST_F(Attacks, upload_that_is_cut_off_or_for_which_the_disk_is_full) {
   };
   const std::string file = "G21\n" + std::string(100'000, ' ');
   {
-    RawSocket socket(server_->port());
+    RawSocket socket(server->port());
     socket.send(upload(file).substr(0, 50'000));
   }
   rlimit before{};
@@ -227,18 +229,18 @@ TEST_F(Attacks, upload_that_is_cut_off_or_for_which_the_disk_is_full) {
   EXPECT_EQ(status(upload(file)), 422);
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, on_signal);
-  EXPECT_TRUE(std::filesystem::is_empty(server_->folder()));
+  EXPECT_TRUE(std::filesystem::is_empty(server->folder()));
   EXPECT_EQ(status(upload(file)), 201);
-  std::filesystem::remove(server_->folder() / "part.ngc");
+  std::filesystem::remove(server->folder() / "part.ngc");
 }
 
 TEST_F(Attacks, second_server_at_the_same_port) {
-  Server site({}, JobFolder(server_->folder()));
-  EXPECT_THROW(WebServer("127.0.0.1", server_->port(), site), Error);
+  Server site({}, JobFolder(server->folder()));
+  EXPECT_THROW(WebServer("127.0.0.1", server->port(), site), Error);
 }
 
 TEST_F(Attacks, messages_before_the_login) {
-  RawSocket socket(server_->port());
+  RawSocket socket(server->port());
   socket.send(upgrade(host()));
   EXPECT_THAT(socket.read(2s), HasSubstr("101 Switching"));
   const std::string text = R"({"jsonrpc":"2.0","id":1,"method":"status"})";
@@ -252,12 +254,12 @@ TEST_F(Attacks, messages_before_the_login) {
 TEST_F(Attacks, two_hundred_clients) {
   std::list<RawClient> clients;
   for (int i = 0; i < 200; ++i)
-    clients.emplace_back(server_->port(), token, fmt::format("client-secret-{:04}", i));
+    clients.emplace_back(server->port(), token, fmt::format("client-secret-{:04}", i));
   for (RawClient& client : clients) EXPECT_TRUE(client.call("subscribe").contains("result"));
 }
 
 TEST_F(Attacks, replies_have_a_policy_without_inline_script) {
-  const Reply page = request(server_->port(), get("/", host()));
+  const Reply page = request(server->port(), get("/", host()));
   EXPECT_THAT(page.text,
               HasSubstr("Content-Security-Policy: default-src 'none'; script-src 'self'"));
   EXPECT_THAT(page.text, HasSubstr("style-src 'sha256-"));

@@ -139,7 +139,7 @@ TEST(Scenes, write_nothing_of_bad_input) {
   const auto refused = [&](const char* name, const char* objects, const Json& block = Json()) {
     Json parameters{{"name", name}, {"from", "a.toml"}, {"objects", Json::parse(objects)}};
     if (!block.is_null()) parameters["block"] = block;
-    const std::string error = served.error("scene.write", parameters);
+    std::string error = served.error("scene.write", parameters);
     EXPECT_FALSE(std::filesystem::exists(served.server.folder() / name)) << objects;
     return error;
   };
