@@ -132,10 +132,9 @@ constexpr std::span<const Parameter> none;
 constexpr std::array table{
     Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
            "`version`, `board`, `simulated`, `paired`"},
-    Method{
-        "pair", Right::all, pair_parameters,
-        "Permits this client what has the right `firing` on a real board. Five wrong codes end it.",
-        "nothing"},
+    Method{"pair", Right::all, pair_parameters,
+           "Gives this client the right `firing` on a real board. Five wrong codes end it.",
+           "nothing"},
     Method{"status", Right::all, none, "The whole status.", "`board`, `job`, `control`"},
     Method{"subscribe", Right::all, none,
            "From now on notifications `status` bring what differs, and `console` the new lines.",
