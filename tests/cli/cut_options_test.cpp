@@ -163,14 +163,15 @@ TEST_F(CutPosts, dark_programs_are_proved_to_be_dark) {
                                      "comment = [\"({text})\", \"M4 S 5\", \"S0\"]\n"};
   for (const std::string checked : {"", "checked = false\n"}) {
     const auto dark = [&](const std::string& text, const char* option) {
-      return cut({"--post",
-                  folder_.write("own.toml", "decimals = 3\n" + checked + "[lines]\n" + text),
-                  option});
+      return cut(
+          {"--post",
+           folder_.write("own.toml", fmt::format("decimals = 3\n{}[lines]\n{}", checked, text)),
+           option});
     };
     for (const char* const option : {"--dry", "--frame"}) {
       const std::string end = "end = \"M2\"\n";
       for (const std::string& more : lit)
-        EXPECT_THAT(refused(dark(lines() + more + end, option)),
+        EXPECT_THAT(refused(dark(fmt::format("{}{}{}", lines(), more, end), option)),
                     HasSubstr("may switch the light on; write {power} in the place of a fixed "))
             << more;
       for (const auto& [old, fixed] : {std::pair{"M4 S0", "M3 S500\", \"G1 X1 F100\", \"S0"},
