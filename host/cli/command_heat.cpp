@@ -14,10 +14,25 @@
 namespace lamplock::cli {
 namespace {
 
+constexpr const char* source_group = "Source of heat";
+/// Options of one task alone.
+constexpr const char* depth_group = "In depth, without a program";
+constexpr const char* program_group = "Along a program";
+constexpr const char* hold_group = "Pairs of speed and power";
+constexpr const char* tune_group = "Controller";
+
 struct HeatCommand : run::HeatOptions {
   bool tunes = false, no_check = false, json = false;
   double overshoot_percent = 2.8, band_percent = 5;
 };
+
+/// What is computed, and the group of its own options.
+struct Task {
+  std::string_view group;
+  const char* name;  ///< "is only for ..."
+};
+constexpr Task in_depth{depth_group, "temperatures in depth"}, along{program_group, "programs"},
+    holding{hold_group, "--hold"}, tuning{tune_group, "--tune"};
 
 Json losses_json(const thermal::Losses& losses) {
   return {{"convection", losses.convection},
@@ -106,41 +121,53 @@ Json program_json(const run::ProgramHeat& heat) {
           {"balance", balance_json(heat.result.balance)}};
 }
 
-/// Refuses options of other tasks.
-void require_used(const HeatCommand& options) {
-  const bool has_program = !options.program.empty(), holds = !options.hold.empty();
-  const bool is_in_depth = !has_program && !holds && !options.tunes;
-  const auto refuse_if = [](bool is_given, bool is_used, const char* option, const char* task) {
-    if (is_given && !is_used)
-      throw Error(Exit::bad_input, option, fmt::format("is only for {}", task), "leave it out");
-  };
-  refuse_if(options.flux_w_m2.has_value(), is_in_depth, "--flux", "temperatures in depth");
-  refuse_if(options.flux_w_m2 && options.feed_mm_min, false, "--feed", "a beam, not for a flux");
-  refuse_if(options.feed_mm_min && has_program, false, "--feed", "tasks without a program");
-  refuse_if(options.limit_k.has_value(), has_program, "--limit", "programs");
-  refuse_if(!options.feeds_mm_min.empty(), holds, "--feeds", "--hold");
-  refuse_if(options.gain_k.has_value(), options.tunes, "--gain", "--tune");
-  refuse_if(options.time_constant_s.has_value(), options.tunes, "--time-constant", "--tune");
-  refuse_if(options.sensor_k_per_v.has_value(), options.tunes, "--sensor-scale", "--tune");
-  refuse_if(options.sensor_volts.has_value(), options.tunes, "--sensor-volts", "--tune");
-}
-
-Exit heat(HeatCommand options) {
-  Console console(options.json);
-  options.has_check = !options.no_check;
-  options.goal.overshoot = options.overshoot_percent / 100;
-  options.goal.band = options.band_percent / 100;
+Task task_of(const HeatCommand& options) {
   const bool has_program = !options.program.empty(), holds = !options.hold.empty();
   if (has_program + holds + options.tunes > 1)
     throw Error(Exit::bad_input, "heat", "several tasks are given",
                 "give a program, --hold or --tune");
-  require_used(options);
+  if (has_program) return along;
+  if (holds) return holding;
+  return options.tunes ? tuning : in_depth;
+}
+
+[[noreturn]] void refuse(const Option& option, const char* use) {
+  throw Error(Exit::bad_input, option.name(), fmt::format("is only for {}", use), "leave it out");
+}
+
+void require_feed_used(const Option& feed, const HeatCommand& options, const Task& task) {
+  if (options.flux_w_m2) refuse(feed, "a beam, not for a flux");
+  if (task.group == program_group) refuse(feed, "tasks without a program");
+  if (!options.feeds_mm_min.empty()) refuse(feed, "runs without --feeds");
+}
+
+/// Refuses options that this task does not use.
+void require_used(const Command& app, const HeatCommand& options, const Task& task) {
+  for (const Option& option : app.options()) {
+    if (!option.is_given()) continue;
+    for (const Task& other : {in_depth, along, holding, tuning})
+      if (option.group() == other.group && other.group != task.group) refuse(option, other.name);
+    if (option.name() == "--machine" && task.group != program_group) refuse(option, along.name);
+    if (option.name() == "--flux" && task.group != depth_group) refuse(option, in_depth.name);
+    const bool is_of_model = option.group() == source_group || option.name() == "--material";
+    if (options.gain_k && is_of_model) refuse(option, "a process without --gain");
+    if (option.name() == "--feed") require_feed_used(option, options, task);
+  }
+}
+
+Exit heat(const Command& app, HeatCommand options) {
+  Console console(options.json);
+  options.has_check = !options.no_check;
+  options.goal.overshoot = options.overshoot_percent / 100;
+  options.goal.band = options.band_percent / 100;
+  const Task task = task_of(options);
+  require_used(app, options, task);
   Json document;
-  if (has_program)
+  if (task.group == program_group)
     document = program_json(run::heat_of_program(options, console));
-  else if (holds)
+  else if (task.group == hold_group)
     document = held_json(run::held_heat(options, console));
-  else if (options.tunes)
+  else if (task.group == tune_group)
     document = tuned_json(run::tuned_heat(options, console));
   else
     document = depth_json(run::heat_in_depth(options, console));
@@ -186,65 +213,63 @@ void add_material(Command& app, HeatCommand& options) {
 }
 
 void add_source(Command& app, HeatCommand& options) {
-  constexpr const char* group = "Source of heat";
   app.add_option("--laser", &options.laser, "Laser of the library: its power and beam")
       .value_name("NAME")
-      .group(group)
+      .group(source_group)
       .common();
   add_number(app, "--power", &options.power_w, "Power of the beam; of a program: at full S", "W",
-             group);
-  add_number(app, "--beam", &options.beam_mm, "Diameter of a round beam at 1/e", "MM", group);
+             source_group);
+  add_number(app, "--beam", &options.beam_mm, "Diameter of a round beam at 1/e", "MM",
+             source_group);
   add_number(app, "--feed", &options.feed_mm_min,
-             "Feed; without a program and --hold the beam rests by default", "MM_MIN", group, false,
-             feed_range);
+             "Feed; without a program and --hold the beam rests by default", "MM_MIN", source_group,
+             false, feed_range);
   add_number(app, "--flux", &options.flux_w_m2, "Flux into the surface in place of a beam", "W_M2",
-             group);
+             source_group);
 }
 
 void add_tasks(Command& app, HeatCommand& options) {
-  constexpr const char* depth = "In depth, without a program";
-  add_number(app, "--time", &options.time_s, "Simulated time from the start of heating", "S", depth,
-             true);
-  add_number(app, "--step", &options.step_s, "Time step", "S", depth, true);
+  add_number(app, "--time", &options.time_s, "Simulated time from the start of heating", "S",
+             depth_group, true);
+  add_number(app, "--step", &options.step_s, "Time step", "S", depth_group, true);
   app.add_option("--nodes", &options.nodes, "Nodes in depth")
       .check(number_in({3, 100'000, true}))
       .value_name("N")
       .show_default()
-      .group(depth);
+      .group(depth_group);
   add_number(app, "--limit", &options.limit_k,
-             "Warn of lines above it; default: 1.15 times the usual rise", "K", "Along a program");
+             "Warn of lines above it; default: 1.15 times the usual rise", "K", program_group);
   add_machine(app, options.machine);
-  constexpr const char* hold = "Pairs of speed and power";
   app.add_option("--hold", &options.hold, "Print the power that holds this temperature, per feed")
       .value_name("450K")
-      .group(hold)
+      .group(hold_group)
       .common();
   app.add_option("--feeds", &options.feeds_mm_min, "Feeds; default: 60,120,300,600,1200")
       .check(number_in(feed_range))
       .count({1, 100})
       .value_name("MM_MIN,...")
-      .group(hold);
-  constexpr const char* tune = "Controller";
+      .group(hold_group);
   app.add_option("--tune", &options.tunes, "Print Kp and Ki of the loop that holds the temperature")
-      .group(tune)
+      .group(tune_group)
       .common();
   add_number(app, "--settling", &options.goal.settling_s, "Settling time that the loop is to have",
-             "S", tune, true, time_range);
+             "S", tune_group, true, time_range);
   add_number(app, "--overshoot", &options.overshoot_percent, "Overshoot that the loop may have",
-             "PERCENT", tune, true, percent_range);
+             "PERCENT", tune_group, true, percent_range);
   add_number(app, "--band", &options.band_percent, "Settled within this part of the step",
-             "PERCENT", tune, true, percent_range);
+             "PERCENT", tune_group, true, percent_range);
   add_number(app, "--gain", &options.gain_k,
-             "Rise by a doubled power, instead of that of the model", "K", tune, false, gain_range);
+             "Rise by a doubled power, instead of that of the model", "K", tune_group, false,
+             gain_range);
   add_number(app, "--time-constant", &options.time_constant_s, "Time constant of the process", "S",
-             tune, false, time_range);
+             tune_group, false, time_range);
   app.add_option("--sensor-scale", &options.sensor_k_per_v,
                  "Rise of the temperature per volt of the sensor, for the board ($1067)")
       .value_name("K_V")
       .check(number_in({-10'000, 10'000}))
-      .group(tune);
+      .group(tune_group);
   add_number(app, "--sensor-volts", &options.sensor_volts,
-             "Voltage of the sensor at the temperature to be held ($1062)", "V", tune, false,
+             "Voltage of the sensor at the temperature to be held ($1062)", "V", tune_group, false,
              volts_range);
 }
 
@@ -278,7 +303,7 @@ void add_heat(Command& program) {
                  "Omit the check of convergence by half the mesh and step");
   add_tasks(app, *options);
   app.add_json(options->json);
-  app.action([options] { return heat(*options); });
+  app.action([options, &app] { return heat(app, *options); });
 }
 
 }  // namespace lamplock::cli

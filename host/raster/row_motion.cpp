@@ -73,12 +73,6 @@ double seconds(std::uint64_t ticks) { return static_cast<double>(ticks) / ticks_
 
 }  // namespace
 
-double seconds_of(const job::Job& job) {
-  program_run::LineRun run(job.settings);
-  run_rows(job, wire::full_job_speed, run);
-  return seconds(run.ticks());
-}
-
 std::vector<double> line_ends_s(const job::Job& job, std::uint32_t job_speed) {
   program_run::LineRun run(job.settings);
   run_rows(job, job_speed, run);
@@ -86,6 +80,12 @@ std::vector<double> line_ends_s(const job::Job& job, std::uint32_t job_speed) {
   ends.reserve(run.line_ends().size());
   for (const std::uint64_t ticks : run.line_ends()) ends.push_back(seconds(ticks));
   return ends;
+}
+
+double seconds_of(const job::Job& job, std::uint32_t job_speed, std::size_t first) {
+  const std::vector<double> ends = line_ends_s(job, job_speed);
+  if (first >= ends.size()) return 0;
+  return ends.back() - (first == 0 ? 0 : ends[first - 1]);
 }
 
 }  // namespace lamplock::raster

@@ -1,7 +1,5 @@
 #include "host/run/cut_files.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -15,6 +13,7 @@
 #include "host/glass/description_file.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/run/unsaved_option.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -42,19 +41,11 @@ cutting::PlanPage page_of(const CutMade& made, const std::string& picture) {
   return cut_page(std::move(page), made.program, made.result);
 }
 
-/// A description is a job, which is run from its first cut, with light. A rerun of one that was
-/// saved beside these options would have light that its user does not expect.
+/// A description is a job, which is run from its first cut, with light.
 void check_saved_options(const CutRequest& request) {
-  if (request.save.empty()) return;
-  const auto refuse_if = [](bool is_given, const char* option) {
-    if (!is_given) return;
-    throw Error(
-        Exit::bad_input, option, "is not saved in a description",
-        fmt::format("leave it out beside --save, and give {} with the description", option));
-  };
-  refuse_if(request.is_dry, "--dry");
-  refuse_if(request.is_frame, "--frame");
-  refuse_if(request.first != 1, "--from");
+  refuse_unsaved(request.save, request.is_dry, "--dry");
+  refuse_unsaved(request.save, request.is_frame, "--frame");
+  refuse_unsaved(request.save, request.first != 1, "--from");
 }
 
 }  // namespace

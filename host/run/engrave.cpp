@@ -11,6 +11,7 @@
 #include "host/run/kept_progress.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/run_job.hpp"
+#include "host/run/unsaved_option.hpp"
 #include "host/shell_text.hpp"
 
 namespace lamplock::run {
@@ -18,11 +19,11 @@ namespace lamplock::run {
 namespace {
 
 void check_saved_options(const JobRequest& request, const BoardOptions& options) {
-  refuse_unsaved(request, options.dry, "--dry");
-  refuse_unsaved(request, request.origin != origin_machine, "--origin");
-  refuse_unsaved(request, options.from != 0, "--from");
-  refuse_unsaved(request, options.fired != 0, "--fired");
-  refuse_unsaved(request, options.resume, "--resume");
+  refuse_unsaved(request.save, options.dry, "--dry");
+  refuse_unsaved(request.save, request.origin != origin_machine, "--origin");
+  refuse_unsaved(request.save, options.from != 0, "--from");
+  refuse_unsaved(request.save, options.fired != 0, "--fired");
+  refuse_unsaved(request.save, options.resume, "--resume");
 }
 
 /// The description in a report makes the whole job, with light, at the origin of the machine: where

@@ -15,6 +15,7 @@
 #include "host/run/mode_name.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/run/unsaved_option.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -95,18 +96,12 @@ job::Job make_job_file(const JobRequest& request, bool dry, const std::string& o
                        Frontend& frontend) {
   check_job_name(output);
   check_target(output);
-  refuse_unsaved(request, dry, "--dry");
+  refuse_unsaved(request.save, dry, "--dry");
   check_distinct({{"-o", output}, {"--save", request.save}}, input_files(request));
   PreparedJob prepared = prepare_job(request, dry, std::nullopt, frontend);
   write_whole(output, [&prepared](const auto& path) { job::write_job_file(path, prepared.job); });
   frontend.phase("written", output);
   return std::move(prepared.job);
-}
-
-void refuse_unsaved(const JobRequest& request, bool is_given, const char* option) {
-  if (request.save.empty() || !is_given) return;
-  throw Error(Exit::bad_input, option, "is not saved in a description",
-              fmt::format("leave it out beside --save, and give {} with the description", option));
 }
 
 void save_description(const JobRequest& request, Frontend& frontend) {

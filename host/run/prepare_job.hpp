@@ -38,10 +38,6 @@ PreparedJob prepare_job(const JobRequest& request, bool dry,
 job::Job make_job_file(const JobRequest& request, bool dry, const std::string& output,
                        Frontend& frontend);
 
-/// Throws Error(bad_input) if the description will be saved and an option is given that is no part
-/// of it: a rerun would fire what its user does not expect.
-void refuse_unsaved(const JobRequest& request, bool is_given, const char* option);
-
 /// Writes the description of a request if that was requested. Throws Error(bad_input).
 void save_description(const JobRequest& request, Frontend& frontend);
 

@@ -33,7 +33,7 @@ SentJob send_job(const std::string& file, BoardOptions& options, Frontend& front
     prepared.machine = job::read_profile(options.profile).settings;
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
   if (job.is_rows()) {
-    sent.planned_s = raster::seconds_of(job);
+    sent.planned_s = raster::seconds_of(job, options.job_speed, options.from);
     sent.outcome =
         run_rows(prepared, options, sent.planned_s, std::move(port), frontend, kept.get());
     return sent;

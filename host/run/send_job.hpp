@@ -17,7 +17,7 @@ namespace lamplock::run {
 struct SentJob {
   PreparedJob prepared;
   JobOutcome outcome;
-  double planned_s = 0;  ///< of rows; 0 of points
+  double planned_s = 0;  ///< of the rows to be run, at the job speed; 0 of points
 };
 
 /// Runs a job of points or rows; `options` get the point or line where it begins with --resume.

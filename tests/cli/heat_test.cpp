@@ -127,6 +127,17 @@ TEST(Heat, RefusesInOneLine) {
               HasSubstr("--feed: is only for a beam"));
   EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--limit", "400"}),
               HasSubstr("--limit: is only for programs"));
+  EXPECT_THAT(refusal({"--tune", "--gain", "100", "--time-constant", "0.1", "--material", "steel"}),
+              HasSubstr("--material: is only for a process without --gain"));
+  EXPECT_THAT(refusal({"--tune", "--gain", "100", "--time-constant", "0.1", "--nodes", "30"}),
+              HasSubstr("--nodes: is only for temperatures in depth"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--settling", "0.1"}),
+              HasSubstr("--settling: is only for --tune"));
+  EXPECT_THAT(refusal({"--materials", records, "--hold", "450K", "--power", "1", "--beam", "0.4",
+                       "--feed", "60", "--feeds", "60,120"}),
+              HasSubstr("--feed: is only for runs without --feeds"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--machine", records}),
+              HasSubstr("--machine: is only for programs"));
   EXPECT_THAT(
       refusal({dark, "--materials", records, "--power", "1", "--beam", "0.4", "--limit", "290"}),
       HasSubstr("--limit: 290 K is not above the ambient"));

@@ -209,9 +209,17 @@ TEST(Raster, its_job_is_sent) {
   EXPECT_EQ(document["starvations"], 0);
   EXPECT_NEAR(document["seconds"].get<double>(), document["planned_seconds"].get<double>(),
               0.05 * document["planned_seconds"].get<double>() + 1);
-  const Finished rest = run({"send", job, "--board", "virtual", "--from", "41", "--json"});
+  const Finished rest =
+      run({"send", job, "--board", "virtual", "--from", "61", "--job-speed", "50", "--json"});
   ASSERT_EQ(rest.status, 0) << rest.err;
-  EXPECT_EQ(nlohmann::json::parse(rest.out)["first_unfired"], 80);
+  const auto part = nlohmann::json::parse(rest.out);
+  EXPECT_EQ(part["first_unfired"], 80);
+  const double part_s = part["planned_seconds"].get<double>();
+  EXPECT_NEAR(part["seconds"].get<double>(), part_s, 0.05 * part_s + 1);
+  // A quarter of the lines at half the feed; a rapid keeps its speed.
+  const double whole_s = document["planned_seconds"].get<double>();
+  EXPECT_GT(part_s, 0.25 * whole_s);
+  EXPECT_LT(part_s, 0.5 * whole_s);
   for (const char* option : {"--report", "--shots", "--plot"}) {
     const Finished wrong =
         run({"send", job, option, folder / (option == std::string("--shots") ? "x.csv" : "x.svg")});
