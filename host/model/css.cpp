@@ -234,7 +234,7 @@ std::string without_nested_rules(std::string_view content, StyleSheet& sheet) {
       content.remove_prefix(std::min(end + 1, content.size()));
       continue;
     }
-    ++sheet.unread;
+    sheet.leave_out(content.substr(0, end));
     const std::size_t close = end_of_block(content, end + 1);
     content.remove_prefix(std::min(close + 1, content.size()));
   }
@@ -244,22 +244,22 @@ std::string without_nested_rules(std::string_view content, StyleSheet& sheet) {
 void read_rule(std::string_view selectors, std::string_view content, StyleSheet& sheet) {
   sheet.declarations.push_back(css_declarations(without_nested_rules(content, sheet)));
   std::vector<CssSelector> read;
-  std::size_t unknown = 0;
+  std::vector<std::string_view> unknown;
   while (true) {
     const std::size_t end = find_outside(selectors, ",");
     CssSelector selector;
     selector.declarations = sheet.declarations.size() - 1;
     const Reading reading = read_selector(selectors.substr(0, end), selector);
     if (reading == Reading::invalid) {  // it voids the whole rule
-      ++sheet.unread;
+      sheet.leave_out(selectors.substr(0, end));
       return;
     }
     if (reading == Reading::fits) read.push_back(std::move(selector));
-    if (reading == Reading::unknown) ++unknown;
+    if (reading == Reading::unknown) unknown.push_back(selectors.substr(0, end));
     if (end == selectors.size()) break;
     selectors.remove_prefix(end + 1);
   }
-  sheet.unread += unknown;
+  for (const std::string_view one : unknown) sheet.leave_out(one);
   std::move(read.begin(), read.end(), std::back_inserter(sheet.selectors));
 }
 
@@ -287,7 +287,7 @@ void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
     if (end == text.size() || text[end] == ';') {
       // A layer without rules only orders others, which are counted.
       if (head.starts_with('@') && !is_harmless(at_name(head)) && at_name(head) != "@layer")
-        ++sheet.unread;
+        sheet.leave_out(head);
       text.remove_prefix(std::min(end + 1, text.size()));
       continue;
     }
@@ -301,7 +301,7 @@ void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
                is_for_screens(head.substr(media.size()))) {
       read_rules(content, sheet, depth + 1);
     } else if (!is_harmless(at_name(head))) {
-      ++sheet.unread;
+      sheet.leave_out(head);
     }
   }
 }
@@ -319,6 +319,10 @@ bool is_screen_query(std::string_view query) {
 }
 
 }  // namespace
+
+void StyleSheet::leave_out(std::string_view rule) {
+  if (unread++ == 0) first_unread = trimmed(rule);
+}
 
 bool is_for_screens(std::string_view media) {
   media = trimmed(media);

@@ -47,7 +47,10 @@ struct CssSelector {
 struct StyleSheet {
   std::vector<CssSelector> selectors;  ///< in their order in the text
   std::vector<std::vector<CssDeclaration>> declarations;
-  std::size_t unread = 0;  ///< selectors and at-rules that are not understood
+  std::size_t unread = 0;    ///< selectors and at-rules that are not understood
+  std::string first_unread;  ///< its text, for a message
+
+  void leave_out(std::string_view rule);
 };
 
 /// The declarations of a style attribute or a rule. Invalid ones are left out, as in CSS.

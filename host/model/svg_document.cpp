@@ -11,6 +11,7 @@
 #include "host/model/svg_style.hpp"
 #include "host/model/xml_entities.hpp"
 #include "host/model/xml_text.hpp"
+#include "host/printable.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -60,7 +61,8 @@ SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) :
     position_of(root_).refuse(
         "the style sheet has too many rules for a drawing with so many elements",
         "export the drawing without a style sheet");
-  left_out_["rule of a style sheet"] = outcome.unread_rules;
+  const std::string rule = printable(fmt::format("{:.40}", outcome.first_unread_rule));
+  left_out_[fmt::format("rule of a style sheet, first '{}'", rule)] = outcome.unread_rules;
   std::erase_if(left_out_, [](const auto& one) { return one.second == 0; });
 }
 

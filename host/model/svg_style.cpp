@@ -1,5 +1,7 @@
 #include "host/model/svg_style.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -164,6 +166,7 @@ class Cascade {
     }
     apply_below(root, {});
     outcome_.unread_rules = sheet_.unread;
+    outcome_.first_unread_rule = sheet_.first_unread;
     return outcome_;
   }
 
@@ -174,8 +177,9 @@ class Cascade {
     if (svg_name(node) == "style") {
       const std::string_view type = node.attribute("type").value();
       if (!type.empty() && type != "text/css") return;
-      if (!is_for_screens(node.attribute("media").value())) {
-        ++sheet_.unread;
+      const std::string_view media = node.attribute("media").value();
+      if (!is_for_screens(media)) {
+        sheet_.leave_out(fmt::format("@media {}", media));
         return;
       }
       std::string text;

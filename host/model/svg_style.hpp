@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <pugixml.hpp>
+#include <string>
 #include <string_view>
 
 namespace lamplock::model {
@@ -20,8 +21,9 @@ namespace lamplock::model {
 std::string_view svg_name(const pugi::xml_node& node);
 
 struct StyleOutcome {
-  std::size_t unread_rules = 0;  ///< rules that are not understood
-  bool too_complex = false;      ///< style sheet and drawing together need too much time
+  std::size_t unread_rules = 0;   ///< rules that are not understood
+  std::string first_unread_rule;  ///< its selector or its words before the block
+  bool too_complex = false;       ///< style sheet and drawing together need too much time
 };
 
 /// Recursion is as deep as the document, which the caller limits.

@@ -83,7 +83,8 @@ bool SvgScanner::begins_number() {
 
 double SvgScanner::number() {
   if (!begins_number())
-    place_.refuse(fmt::format("a number is missing at '{:.20}'", rest_),
+    place_.refuse(rest_.empty() ? "a number is missing at the end"
+                                : fmt::format("a number is missing at '{:.20}'", rest_),
                   "export the drawing again");
   const char* begin = rest_.data() + (rest_.starts_with('+') ? 1 : 0);
   double value = 0;

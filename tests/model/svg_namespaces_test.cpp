@@ -18,6 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
+using ::testing::StartsWith;
 
 class SvgNamespaces : public test::SvgPage {
  protected:
@@ -69,7 +70,9 @@ TEST_F(SvgNamespaces, StyleSheetsForOtherMediaAreNotRead) {
                                  "'>.a{display:none}</style><rect class='a' width='1' "
                                  "height='1'/>");
     EXPECT_EQ(curves.paths.size(), 1u) << media;
-    EXPECT_THAT(curves.left_out, ElementsAre(Pair("rule of a style sheet", 1u))) << media;
+    EXPECT_THAT(curves.left_out,
+                ElementsAre(Pair(StartsWith("rule of a style sheet, first '"), 1u)))
+        << media;
   }
 }
 

@@ -327,7 +327,7 @@ TEST_F(Svg, ErrorsNameTheLine) {
   EXPECT_THAT(error(page("")), HasSubstr("the drawing is empty"));
   EXPECT_THAT(error(page("<text/>")), HasSubstr("left out: 1 text"));
   EXPECT_THAT(data_error("L1 1"), HasSubstr("line 3: the path data do not begin with M"));
-  EXPECT_THAT(data_error("M1"), HasSubstr("line 3: a number is missing"));
+  EXPECT_THAT(data_error("M1"), HasSubstr("line 3: a number is missing at the end"));
   EXPECT_THAT(data_error("M1 1X"), HasSubstr("command"));
   EXPECT_THAT(data_error("M1 1 L nan 1"), HasSubstr("a number is missing"));
   EXPECT_THAT(data_error("M1 1 L 1e999 1"), HasSubstr("not a usable number"));
