@@ -106,10 +106,7 @@ ShapeBeam beam_along(const Shape& shape, const Operation& operation) {
                  waste_of(shape, contour, distance_mm),
                  {},
                  distance_mm != 0};
-  const std::vector<Fault>& faults = beam.offset.faults;
-  const auto vanished = std::any_of(faults.begin(), faults.end(),
-                                    [](const auto& f) { return f.kind == FaultKind::vanished; });
-  if (vanished || beam.offset.contours.empty() || fits_in_beam(contour, operation))
+  if (beam.offset.contours.empty() || fits_in_beam(contour, operation))
     throw Error(Exit::bad_input, operation.name,
                 fmt::format("the {} is smaller than the beam of {:g} mm", contour_text(contour),
                             operation.kerf_mm),
@@ -130,7 +127,35 @@ void append_beam(ShapeBeam& beam, std::size_t shape, bool is_directed, Beams& be
   }
 }
 
+/// One of the beams along a shape, that around all others of it if there is one; none for a shape
+/// that is not cut.
+std::vector<std::optional<std::size_t>> outermost_beams(const Beams& beams,
+                                                        const std::vector<ContourPlace>& tree,
+                                                        std::size_t shape_count) {
+  std::vector<std::optional<std::size_t>> outermost(shape_count);
+  for (std::size_t i = 0; i < beams.shapes.size(); ++i) {
+    auto& found = outermost[beams.shapes[i]];
+    if (!found || tree[i].depth < tree[*found].depth) found = i;
+  }
+  return outermost;
+}
+
 }  // namespace
+
+std::vector<ContourPlace> places_of(const Beams& beams, const std::vector<Shape>& shapes) {
+  std::vector<ContourPlace> places = contour_tree(beams.contours);
+  const auto outermost = outermost_beams(beams, places, shapes.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    auto& parent = places[i].parent;
+    if (parent && beams.shapes[*parent] == beams.shapes[i]) continue;
+    parent.reset();
+    // The beam along a shape may cross that of the shape around it: the drawing decides.
+    for (auto around = shapes[beams.shapes[i]].place.parent; around && !parent;
+         around = shapes[*around].place.parent)
+      parent = outermost[*around];
+  }
+  return places;
+}
 
 Beams beams_along(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
                   OperationKind kind, std::vector<Fault>& faults) {
@@ -147,7 +172,8 @@ Beams beams_along(const std::vector<Shape>& shapes, const std::vector<Operation>
   Beams all;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     for (Fault& fault : beams[i].offset.faults) {
-      if (fault.kind != FaultKind::narrow) continue;  // the others are those of the drawing
+      // The others are those of the drawing.
+      if (fault.kind != FaultKind::narrow && fault.kind != FaultKind::vanished) continue;
       fault.contour = numbers[i];
       faults.push_back(fault);
     }

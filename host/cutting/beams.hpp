@@ -35,6 +35,10 @@ struct Beams {
 Beams beams_along(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
                   OperationKind kind, std::vector<Fault>& faults);
 
+/// Which beam has to be cut after each: that along the shape around it in the drawing. A shape that
+/// crosses itself may have beams inside of one another.
+std::vector<ContourPlace> places_of(const Beams& beams, const std::vector<Shape>& shapes);
+
 /// Beams that cross, and those that cut into one of the drawn contours; numbers of shapes.
 std::vector<Fault> beam_faults(const Beams& beams, const DrawnContours& drawn,
                                const std::vector<Shape>& shapes,

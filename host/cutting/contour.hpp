@@ -37,8 +37,9 @@ struct Contour {
 double length_of(const Contour& contour);
 /// mm^2, positive for a closed contour that runs counter-clockwise; an open one has none, 0.
 double signed_area(const Contour& contour);
-/// True if a closed contour has its inside on the left. One that crosses itself, with loops of
-/// equal areas in both directions, has it there too.
+/// True if a closed contour has its inside on the left. Of one that crosses itself, with loops of
+/// equal areas in both directions, the loop farther right or above decides; without any, it is
+/// true.
 bool is_counter_clockwise(const Contour& contour);
 Box box_of(const Contour& contour);
 Contour reversed(const Contour& contour);
@@ -56,7 +57,7 @@ enum class FaultKind {
   self_intersection,  ///< size: length of the shorter loop that the crossing cuts off
   crossing,           ///< of two contours; size: 0
   narrow,     ///< the beam does not fit; size: between the points where it touches both sides
-  vanished,   ///< a contour that has no offset; size: its length
+  vanished,   ///< a contour, or a part of it, that has no offset; size: its length
   overlap,    ///< edges on the same line or arc; size: length of the common part
   unhatched,  ///< an area between two lines of its hatch; size: its height
   unfilled,   ///< an outline without a fill beside filled areas that are engraved; size: as above

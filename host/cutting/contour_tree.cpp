@@ -73,6 +73,13 @@ class Surroundings {
     });
   }
 
+  /// True if the contour with this number is closed and around the point.
+  bool is_around(std::size_t number, const Vec& at) const {
+    const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), number);
+    return found != numbers_.end() && *found == number &&
+           is_inside(static_cast<std::size_t>(found - numbers_.begin()), at);
+  }
+
  private:
   bool is_inside(std::size_t i, const Vec& at) const {
     int crossed = 0;
@@ -106,7 +113,7 @@ class TreeBuilder {
     std::vector<std::size_t> around;  // once for each point
     for (std::size_t i = 0; i < samples; ++i) {
       const Vec at =
-          point_at(edges[i * edges.size() / samples], part + 0.1 * static_cast<double>(i));
+          sample(number, edges[i * edges.size() / samples], part + 0.1 * static_cast<double>(i));
       surroundings_.visit(at, box, [&](std::size_t other, bool is_inside) {
         if (is_inside && may_contain(other, number)) around.push_back(other);
       });
@@ -131,6 +138,22 @@ class TreeBuilder {
   }
 
  private:
+  /// A point of an edge; of a closed contour a little inside of it: where two contours touch, a
+  /// point on both would be inside or outside by the rounding of numbers.
+  Vec sample(std::size_t number, const Edge& edge, double part) const {
+    constexpr double max_away_mm = 0.02;   // twice the default tolerance of joints
+    constexpr double part_of_width = 0.1;  // so that it is inside of narrow contours, too
+    const Vec at = point_at(edge, part);
+    const Contour& contour = contours_[number];
+    if (!contour.closed) return at;
+    const double away_mm =
+        std::min(max_away_mm, part_of_width * areas_[number] / length_of(contour));
+    const Vec right = right_of(direction_at(edge, part)) * away_mm;
+    for (const Vec& inside : {at - right, at + right})
+      if (surroundings_.is_around(number, inside)) return inside;
+    return at;
+  }
+
   bool may_contain(std::size_t outer, std::size_t inner) const {
     return outer != inner && (!contours_[inner].closed || areas_[outer] > areas_[inner]);
   }

@@ -93,8 +93,8 @@ class Planner {
     if (beams.are_moved())
       faults = std::async(std::launch::async,
                           [&] { return beam_faults(beams, drawn, shapes_, operations_); });
-    const CutOrder order = cut_order(beams.contours, contour_tree(beams.contours), position_,
-                                     order_, beams.is_directed);
+    const CutOrder order =
+        cut_order(beams.contours, places_of(beams, shapes_), position_, order_, beams.is_directed);
     const CutSheet sheet(beams.contours);
     std::vector<PlannedCut> cuts(order.steps.size());
     geometry::for_each_index(cuts.size(), 0, [&](std::size_t i) {

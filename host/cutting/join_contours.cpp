@@ -13,7 +13,7 @@
 namespace lamplock::cutting {
 namespace {
 
-// Shorter curves that are joined to nothing have no shape, whatever gaps are closed.
+// Shorter contours have no shape, whatever gaps are closed.
 constexpr double max_dot_mm = JoinOptions{}.tolerance_mm;
 
 /// False for the ends of a contour that no tolerance closes, because it is a part of its gap.
@@ -103,6 +103,7 @@ std::vector<Contour> contours_of(std::vector<Numbered> numbered) {
 
 JoinedContours join_contours(const model::Curves& curves, const JoinOptions& options) {
   geometry::require_positive(options.tolerance_mm, "contours", "tolerance");
+  const double dot_mm = std::min(options.tolerance_mm, max_dot_mm);
   JoinedContours result;
   std::vector<Numbered> all;
   std::vector<Contour> open;
@@ -117,9 +118,10 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
                   path.colour,
                   path.area};
     connect(chain);
-    if (chain.edges.empty()) {
+    const double length_mm = length_of(chain);
+    if (chain.edges.empty() || (chain.closed && length_mm <= dot_mm)) {
       const geometry::Point at = model::start_of(path);
-      result.faults.push_back({FaultKind::dot, {at.x, at.y}, 0, {}});
+      result.faults.push_back({FaultKind::dot, {at.x, at.y}, length_mm, {}});
     } else if (chain.closed) {
       all.push_back({i, std::move(chain)});
     } else {
@@ -138,7 +140,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   for (auto& [first, contour] :
        join_chains(std::move(chains), options.tolerance_mm, result.faults)) {
     if (contour.edges.empty()) continue;
-    if (!contour.closed && length_of(contour) <= std::min(options.tolerance_mm, max_dot_mm))
+    if (length_of(contour) <= dot_mm)
       result.faults.push_back({FaultKind::dot, contour.edges.front().from, length_of(contour), {}});
     else
       all.push_back({open_paths[kept[first]], std::move(contour)});

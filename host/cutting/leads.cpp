@@ -14,7 +14,7 @@
 namespace lamplock::cutting {
 namespace {
 
-constexpr const char* lead_place = "lead";
+constexpr const char *lead_in_place = "lead-in", *lead_out_place = "lead-out";
 constexpr double max_arc_deg = 270;
 // Edges that meet are the same point to this.
 constexpr double same_point_mm = 1e-9;
@@ -24,17 +24,16 @@ constexpr double touch_mm = 1e-4;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-void require_shape(const Contour& contour, const Lead& lead) {
+void require_shape(const Contour& contour, const Lead& lead, const char* place) {
   if (!contour.closed)
-    throw Error(Exit::bad_input, lead_place, "an open contour has no waste side",
+    throw Error(Exit::bad_input, place, "an open contour has no waste side",
                 "use leads for closed contours only");
-  geometry::require_positive(lead.angle_deg, lead_place, "angle");
+  geometry::require_positive(lead.angle_deg, place, "angle");
   const bool is_line = lead.shape == LeadShape::line;
-  geometry::require_positive(is_line ? lead.length_mm : lead.radius_mm, lead_place,
+  geometry::require_positive(is_line ? lead.length_mm : lead.radius_mm, place,
                              is_line ? "length" : "radius");
   if (is_line ? lead.angle_deg >= 180 : lead.angle_deg > max_arc_deg)
-    throw Error(Exit::bad_input, lead_place,
-                fmt::format("the angle is {:g} degrees", lead.angle_deg),
+    throw Error(Exit::bad_input, place, fmt::format("the angle is {:g} degrees", lead.angle_deg),
                 is_line ? "use less than 180 degrees" : "use at most 270 degrees");
 }
 
@@ -54,20 +53,21 @@ class FittingLead {
  public:
   /// `side` is that of the waste, seen in `direction`.
   FittingLead(const Vec& at, const Vec& direction, WasteSide side, const Contour& contour,
-              const LeadOptions& options, const CutSheet& sheet)
+              const LeadOptions& options, const CutSheet& sheet, const char* place)
       : at_(at),
         direction_(direction),
         side_(side),
         contour_(contour),
         options_(options),
-        sheet_(sheet) {}
+        sheet_(sheet),
+        place_(place) {}
 
   Edge edge() const {
     Edge lead = lead_from(at_, direction_, options_.shape, side_);
     const std::string fault = fault_of(lead);
     if (fault.empty()) return lead;
     throw LeadError(
-        fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at_.x, at_.y, fault),
+        place_, fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at_.x, at_.y, fault),
         fitting_mm());
   }
 
@@ -123,12 +123,13 @@ class FittingLead {
   const Contour& contour_;
   const LeadOptions& options_;
   const CutSheet& sheet_;
+  const char* place_;
 };
 
 }  // namespace
 
-LeadError::LeadError(const std::string& what, double fitting_mm)
-    : Error(Exit::bad_input, lead_place, what,
+LeadError::LeadError(const char* place, const std::string& what, double fitting_mm)
+    : Error(Exit::bad_input, place, what,
             fitting_mm > 0
                 ? fmt::format("use a lead of {:g} mm, which fits there, or none", fitting_mm)
                 : "use no lead, or one of another shape or angle"),
@@ -160,23 +161,24 @@ double CutSheet::room(const Vec& at, double reach_mm) const {
 std::vector<Edge> lead_in(const Contour& contour, const LeadOptions& options,
                           const CutSheet& sheet) {
   if (options.shape.shape == LeadShape::none) return {};
-  require_shape(contour, options.shape);
+  require_shape(contour, options.shape, lead_in_place);
   const Edge& first = contour.edges.front();
   const WasteSide other = options.waste == WasteSide::right ? WasteSide::left : WasteSide::right;
   const Vec back = direction_at(first, 0) * -1;
-  return {reversed(FittingLead(first.from, back, other, contour, options, sheet).edge())};
+  return {reversed(
+      FittingLead(first.from, back, other, contour, options, sheet, lead_in_place).edge())};
 }
 
 std::vector<Edge> lead_out(const Contour& contour, double along_mm, const LeadOptions& options,
                            const CutSheet& sheet) {
   if (options.shape.shape == LeadShape::none) return {};
-  require_shape(contour, options.shape);
+  require_shape(contour, options.shape, lead_out_place);
   // At the begin the beam arrives in the direction of the last edge.
   const ContourPoint end =
       along_mm > 0 ? point_along(contour, along_mm) : ContourPoint{contour.edges.size() - 1, 1};
   const Edge& edge = contour.edges[end.edge];
   const FittingLead lead(point_at(edge, end.part), direction_at(edge, end.part), options.waste,
-                         contour, options, sheet);
+                         contour, options, sheet, lead_out_place);
   return {lead.edge()};
 }
 

@@ -55,8 +55,8 @@ class CutSheet {
 /// A lead that does not fit at its point of the contour.
 class LeadError : public Error {
  public:
-  /// `fitting_mm`: the size that fits there; 0 if none does.
-  LeadError(const std::string& what, double fitting_mm);
+  /// `place`: lead-in or lead-out. `fitting_mm`: the size that fits there; 0 if none does.
+  LeadError(const char* place, const std::string& what, double fitting_mm);
   double fitting_mm() const { return fitting_mm_; }
 
  private:

@@ -234,7 +234,7 @@ const char* fault_name(FaultKind kind) {
     case FaultKind::narrow:
       return "place too narrow for the beam";
     case FaultKind::vanished:
-      return "contour smaller than the beam";
+      return "part of a contour smaller than the beam, left out";
     case FaultKind::overlap:
       return "overlap of two contours";
     case FaultKind::beams:

@@ -268,6 +268,16 @@ TEST(contour, crossings_are_reported_and_touches_are_not) {
   EXPECT_NEAR(distance(faults[0].at, {4, 2}), 0, 1e-9);
 }
 
+TEST(contour, closed_curves_of_no_size_are_left_out) {
+  const std::vector<double> radii_mm{1e-9, 1e-6, 1e-5, 0.001, 0.002, 0.01, 1};
+  std::vector<model::Path> paths;
+  for (std::size_t i = 0; i < radii_mm.size(); ++i)
+    paths.push_back(circle_path({5.0 * double(i), 0}, radii_mm[i]));
+  const JoinedContours joined = join_contours(of_one_layer(paths), {});
+  ASSERT_EQ(joined.contours.size(), 3u) << "those of more than 0.01 mm";
+  EXPECT_EQ(count_of(joined.faults, FaultKind::dot), 4u);
+}
+
 TEST(contour, number_of_faults_is_limited) {
   std::vector<Contour> grid;
   for (int i = 0; i < 60; ++i) {
@@ -310,6 +320,45 @@ TEST(contour, tree_has_the_parents_of_random_nests) {
       EXPECT_EQ(places[k].kind, depth == 0       ? ContourKind::outside
                                 : depth % 2 == 1 ? ContourKind::hole
                                                  : ContourKind::island);
+    }
+  }
+}
+
+/// The corners of a polygon moved and turned, from any of them on, in any direction.
+Contour drawn_anyhow(std::vector<Vec> corners, double turn, const Vec& to, Random& random) {
+  for (Vec& corner : corners) corner = to + turned(corner, turn);
+  const auto first = static_cast<std::ptrdiff_t>(random.next() % corners.size());
+  std::rotate(corners.begin(), corners.begin() + first, corners.end());
+  const Contour contour = polygon(corners);
+  return random.uniform() < 0.5 ? contour : reversed(contour);
+}
+
+/// The side of the beam follows from the place, so it may not depend on the begin of a curve.
+TEST(contour, tree_of_contours_that_touch_along_their_sides) {
+  const std::vector<Vec> square{{0, 0}, {50, 0}, {50, 50}, {0, 50}};
+  const std::vector<Vec> mouth{{50, 0},  {0, 0},  {0, 10}, {30, 10},
+                               {30, 40}, {0, 40}, {0, 50}, {50, 50}};
+  struct Pair {
+    std::vector<Vec> outer, inner;
+    ContourKind kind;
+  };
+  const std::vector<Pair> pairs{
+      {square, {{40, 0}, {50, 0}, {50, 10}, {40, 10}}, ContourKind::hole},
+      {square, {{0, 20}, {50, 20}, {50, 20.5}, {0, 20.5}}, ContourKind::hole},
+      {square, {{0, 0}, {50, 0}, {50, 49.9}, {0, 49.9}}, ContourKind::hole},
+      {square, {{50, 0}, {100, 0}, {100, 50}, {50, 49}}, ContourKind::outside},
+      {mouth, {{0, 10}, {30, 10}, {30, 40}, {0, 40}}, ContourKind::outside},
+      {mouth, {{0, 10}, {30, 10}, {30, 10.2}, {0, 10.2}}, ContourKind::outside},
+      {mouth, {{30, 10}, {50, 10}, {50, 40}, {30, 40}}, ContourKind::hole}};
+  Random random(11);
+  for (int i = 0; i < scaled(300, 30); ++i) {
+    const double turn = 2 * pi * random.uniform();
+    const Vec to{1000 * random.uniform(), 1000 * random.uniform()};
+    for (const Pair& pair : pairs) {
+      const std::vector<ContourPlace> places = contour_tree(
+          {drawn_anyhow(pair.outer, turn, to, random), drawn_anyhow(pair.inner, turn, to, random)});
+      ASSERT_EQ(places[0].kind, ContourKind::outside) << i;
+      ASSERT_EQ(places[1].kind, pair.kind) << i << ", pair " << &pair - pairs.data();
     }
   }
 }

@@ -207,6 +207,76 @@ TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
   EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.6 mm, which fits there, or none"));
 }
 
+TEST(cut_plan, the_error_of_a_lead_names_which_one) {
+  Operation one = operation(0.2);
+  one.lead_in = {LeadShape::arc, 0.5, 0.5, 90};
+  one.lead_out = {LeadShape::line, 4.5, 4.5, 90};
+  const std::vector<Contour> contours{polygon({{-7, -7}, {8, -7}, {8, 8}, {-7, 8}}),
+                                      circle({0, 0}, 2)};
+  EXPECT_THAT(refusal(contours, one), HasSubstr("lead-out: the lead at"));
+  std::swap(one.lead_in, one.lead_out);
+  EXPECT_THAT(refusal(contours, one), HasSubstr("lead-in: the lead at"));
+}
+
+/// An island falls with its ring, so it is cut before: also where the beams of both cross.
+TEST(cut_plan, an_island_is_cut_before_the_hole_around_it_whatever_their_gap) {
+  const Contour part = polygon({{0, 0}, {50, 0}, {50, 50}, {0, 50}});
+  const Contour hole = polygon({{10, 10}, {40, 10}, {40, 40}, {10, 40}});
+  for (const double gap_mm : {0.0, 0.05, 0.1, 0.19, 0.3}) {
+    const double low = 10 + gap_mm, high = 40 - gap_mm;
+    for (const Contour& island : {polygon({{low, 15}, {20, 15}, {20, 25}, {low, 25}}),
+                                  polygon({{low, low}, {high, low}, {high, high}, {low, high}}),
+                                  polygon({{20, high}, {25, 30}, {30, high}})}) {
+      const CutPlan plan = plan_of({part, hole, island}, operation(0.2));
+      ASSERT_EQ(plan.cuts.size(), 3u);
+      EXPECT_EQ(plan.cuts[0].shape, 2u) << gap_mm;
+      EXPECT_EQ(plan.cuts[1].shape, 1u) << gap_mm;
+      EXPECT_EQ(plan.cuts[2].shape, 0u) << gap_mm;
+    }
+  }
+}
+
+/// Of a contour that crosses itself the pieces that are smaller than the beam are left out.
+TEST(cut_plan, a_small_lobe_of_a_contour_is_left_out_with_a_warning) {
+  const Contour lobed = polygon({{10, 10}, {50.4, 30.4}, {50.4, 29.6}, {10, 50}});
+  for (const double kerf_mm : {0.3, 1.0}) {
+    const CutPlan plan = plan_of({lobed}, operation(kerf_mm, Compensation::inside));
+    EXPECT_EQ(plan.cuts.size(), kerf_mm < 0.5 ? 2u : 1u);
+    EXPECT_EQ(count_of(plan.faults, FaultKind::vanished), kerf_mm < 0.5 ? 0u : 1u);
+    if (plan.faults.empty()) continue;
+    EXPECT_NEAR(plan.faults.back().at.x, 50, 1);
+    EXPECT_EQ(plan.faults.back().contour, 0u);
+  }
+}
+
+/// The turn of the first cut of a plan: positive counter-clockwise.
+double area_of_first(const CutPlan& plan) {
+  Contour cut;
+  cut.closed = true;
+  for (const CutMove& move : plan.cuts.front().strokes.front()) cut.edges.push_back(move.edge);
+  return signed_area(cut);
+}
+
+TEST(cut_plan, a_symmetric_bow_tie_has_a_direction) {
+  const Contour bow = polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}});
+  for (const Contour& tie : {bow, reversed(bow)}) {
+    Operation one = operation(0.2, Compensation::outside);
+    one.direction = Direction::clockwise;
+    EXPECT_LT(area_of_first(plan_of({tie}, one)), -50);
+    one.direction = Direction::counter_clockwise;
+    EXPECT_GT(area_of_first(plan_of({tie}, one)), 50);
+    // The left of one direction is the right of the other.
+    one.compensation = Compensation::left;
+    one.direction = Direction::drawn;
+    const std::size_t drawn = plan_of({tie}, one).cuts.size();
+    one.direction = Direction::reversed;
+    EXPECT_EQ(drawn + plan_of({tie}, one).cuts.size(), 3u) << "one beam outside, two inside";
+  }
+  const CutPlan hole =
+      plan_of({polygon({{-9, -9}, {19, -9}, {19, 19}, {-9, 19}}), bow}, operation(0.2));
+  EXPECT_LT(area_of_first(hole), 0) << "holes are cut clockwise";
+}
+
 /// The best start point is a notch where no lead fits; at another point a smaller one does.
 TEST(cut_plan, a_lead_that_fits_at_another_point_is_advised) {
   const Contour star = polygon({{0.88, 0},
