@@ -101,7 +101,7 @@ void write_report(const CutOptions& options, const Json& document, const run::Cu
   page.numbers.emplace_back("End of the run", run::end_name(outcome));
   page.numbers.emplace_back("Time of the run", duration_text(seconds));
   page.numbers.emplace_back("Lines run",
-                            fmt::format("{} of {}", outcome.result.answered, outcome.lines));
+                            fmt::format("{} of {}", outcome.result.executed, outcome.lines));
   folder.write_program(numbers.dump(2) + "\n", cutting::plan_page(page, result.report.operations),
                        outcome.lost);
 }

@@ -392,6 +392,7 @@ LineResult LineSender::result() const {
   result.end = end_;
   result.sent = sent_;
   result.answered = answered_;
+  result.executed = executed();
   result.last_line = accepted_ == 0 ? 0 : lines_[accepted_ - 1].number;
   result.at_line = at_line_;
   result.errors = errors_;

@@ -91,6 +91,7 @@ struct LineResult {
   LineEnd end = LineEnd::done;
   std::size_t sent = 0;       ///< lines
   std::size_t answered = 0;   ///< lines
+  std::size_t executed = 0;   ///< lines, if the board reports them, else those answered
   std::size_t last_line = 0;  ///< number in the file of the last line accepted; 0 = none
   std::size_t at_line = 0;    ///< number in the file of the last line executed; 0 = not reported
   std::vector<LineError> errors;

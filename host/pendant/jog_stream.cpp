@@ -215,9 +215,24 @@ void JogStream::feed() {
   if (moves_ && too_far_ahead()) return;
   // The motion missed in a long pause of this program is not sent later.
   duration = std::min(duration, lead + increment);
+  const int parts = increments_of(run.speed_mm_s, duration);
+  for (int i = 0; i < parts && wanted_; ++i) send_increment(run, duration / parts);
+}
+
+/// The board refuses an increment beyond the end of the travel as a whole, so it may not be long,
+/// and is not so short that its rounding matters.
+int JogStream::increments_of(double speed_mm_s, Time duration) const {
+  constexpr double min_mm = 10 * resolution_mm;
+  const double by_length = speed_mm_s * seconds(duration) / min_mm;
+  const double by_time = seconds(duration) / seconds(increment);
+  const auto room = static_cast<double>(max_unanswered - talk_.unanswered(LineKind::jog));
+  return std::max(1, static_cast<int>(std::min({by_length, by_time, room})));
+}
+
+void JogStream::send_increment(const Run& run, Time duration) {
   const double ahead_mm = run.speed_mm_s * seconds(duration);
   if (ahead_mm < resolution_mm) return;  // accumulates to one step of the resolution
-  const double mm = std::min(ahead_mm, run.left_mm.value_or(ahead_mm));
+  const double mm = std::min(ahead_mm, wanted_->left_mm.value_or(ahead_mm));
   Way way = run.direction;
   for (double& part : way) part *= mm;
   under_way_ = run.direction;

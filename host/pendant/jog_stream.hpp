@@ -86,6 +86,8 @@ class JogStream {
 
   double max_feed(const Way& direction, double feed_mm_min) const;
   void feed();
+  int increments_of(double speed_mm_s, Time duration) const;
+  void send_increment(const Run& run, Time duration);
   bool too_far_ahead() const;
   void send(const Way& way, double feed_mm_min, Time duration);
   void send_cancel();

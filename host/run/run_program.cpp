@@ -358,7 +358,7 @@ ProgramOutcome run_text(const std::string& name, std::string text, const BoardOp
   outcome.rotary = of_board && is_rotary(of_board->values, rotary_axis);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
-  frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.answered,
+  frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.executed,
                outcome.lines, duration_text(std::chrono::duration<double>(result.elapsed).count()),
                place_text(result.status));
   return outcome;

@@ -73,6 +73,11 @@ std::vector<ConsoleLine> Machine::lines_after(std::uint64_t number) const {
 
 void Machine::show(const std::string& text) {
   const std::lock_guard lock(mutex_);
+  show_locked(text);
+}
+
+/// With the lock.
+void Machine::show_locked(const std::string& text) {
   console_.push_back({++last_line_, text.substr(0, max_console_text)});
   if (console_.size() > max_console_lines) console_.pop_front();
 }
@@ -125,13 +130,25 @@ void Machine::check_is_free() const {
   if (view_.job.is_running) throw Refusal(Exit::job_failed, "job-runs", {{"job", view_.job.name}});
 }
 
+/// With the lock. What is held may have the laser on, and its board executes other lines only after
+/// a resume: the user resumes or stops it first.
+void Machine::check_is_not_held(const std::string& what) const {
+  const std::string& state = view_.board.state;
+  if (state.starts_with("Hold") || state.starts_with("Door"))
+    throw Refusal(Exit::job_failed, "machine-held", {{"what", what}});
+}
+
+/// With the lock.
+void Machine::check_can_jog() const {
+  check_is_free();
+  check_is_not_held("jog");
+  if (view_.board.state.starts_with("Alarm")) throw Refusal(Exit::job_failed, "jog-in-alarm");
+}
+
 void Machine::start(const JobStart& job) {
   const std::lock_guard lock(mutex_);
   check_is_free();
-  // What is held may have the laser on: the user resumes or stops it first.
-  const std::string& state = view_.board.state;
-  if (!job.resumes && (state.starts_with("Hold") || state.starts_with("Door")))
-    throw Refusal(Exit::job_failed, "machine-held", {{"job", job.name}});
+  if (!job.resumes) check_is_not_held(job.name);
   lease_.reset();
   next_job_ = job;
   view_.job = {};
@@ -143,6 +160,7 @@ void Machine::start(const JobStart& job) {
 void Machine::post(Work work, Done done) {
   const std::lock_guard lock(mutex_);
   check_is_free();
+  check_is_not_held("settings");
   posted_.push_back({std::move(work), std::move(done)});
 }
 
@@ -169,6 +187,7 @@ void Machine::send_lines(const std::vector<std::string>& lines) {
     return show("> " + lines.front());
   }
   check_is_free();
+  check_is_not_held("console");
   if (lines_.size() + lines.size() > max_queued_lines)
     throw Refusal(Exit::job_failed, "many-lines");
   lines_.insert(lines_.end(), lines.begin(), lines.end());
@@ -216,7 +235,7 @@ void Machine::renew_jog(std::chrono::milliseconds lease) { lend({}, lease); }
 void Machine::lend(Lease lease, std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
   if (changes_tool()) throw Refusal(Exit::job_failed, "only-steps");
-  check_is_free();
+  check_can_jog();
   lease.until = now_() + std::min(time, lease_time);
   // A way that has not begun keeps its place.
   if (!lease.direction && !lease.place && lease_ && lease_->place) {
@@ -229,7 +248,7 @@ void Machine::lend(Lease lease, std::chrono::milliseconds time) {
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
   const std::lock_guard lock(mutex_);
   if (changes_tool()) return send_in_tool_change(step_line(axis, mm, feed_mm_min));
-  check_is_free();
+  check_can_jog();
   step_ = Step{axis, mm, feed_mm_min};
 }
 

@@ -150,6 +150,8 @@ class Machine {
   void lend(Lease lease, std::chrono::milliseconds time);
   void take_stop(Talk& talk);
   void take_answers(Talk& talk);
+  void take_command_answer(const pendant::Answered& answer);
+  void take_jog_answer(const pendant::Answered& answer);
   void send_next_line(Talk& talk);
   void supervise(Talk& talk);
   void publish(const Talk& talk);
@@ -163,7 +165,10 @@ class Machine {
   void end_job(const std::string& end, const std::string& message, EndedJob ended);
   void lose_board(const std::string& why);
   void show(const std::string& text);
+  void show_locked(const std::string& text);
   void check_is_free() const;
+  void check_is_not_held(const std::string& what) const;
+  void check_can_jog() const;
   bool changes_tool() const;
   void send_in_tool_change(const std::string& line);
   void check_in_area(const Place& place) const;
@@ -198,6 +203,7 @@ class Machine {
   std::optional<pendant::JogLimits> limits_;  ///< by the settings of the board; null: to be read
   std::optional<run::Supervisor> supervisor_;
   std::string complaint_;        ///< of the lines of the computer, shown last
+  bool is_at_end_ = false;       ///< the last jog was refused at the end of the travel
   bool resets_at_rest_ = false;  ///< a stop of lines: the rest is dropped by a reset
   std::thread thread_;
 };

@@ -11,6 +11,7 @@
 #include "host/run/prepare.hpp"
 #include "host/serve/machine.hpp"
 #include "host/units.hpp"
+#include "shared/gcode_errors.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -99,15 +100,33 @@ void Machine::take_answers(Talk& talk) {
   for (const pendant::Answered& answer : talk.board.poll(talk.moves())) {
     talk.reports_then = talk.board.machine().reports;
     if (answer.kind == pendant::LineKind::jog && talk.jogs) talk.jogs->take(answer);
-    if (answer.error != 0)
-      show(fmt::format("{}: {}", answer.line, link::error_text(answer.error)));
-    else if (answer.kind == pendant::LineKind::command)
-      show("ok");
+    if (answer.kind == pendant::LineKind::command)
+      take_command_answer(answer);
+    else
+      take_jog_answer(answer);
   }
   talk.board.take_messages();  // shown by on_line()
   if (talk.restarts == talk.board.restarts()) return;
   talk.restarts = talk.board.restarts();
   if (talk.jogs) talk.jogs->forget();
+}
+
+void Machine::take_command_answer(const pendant::Answered& answer) {
+  if (answer.error == 0) return show("ok");
+  show(fmt::format("{}: {}", answer.line, link::error_text(answer.error)));
+  // The lines that follow, of a macro, may rely on the refused one.
+  const std::lock_guard lock(mutex_);
+  if (!lines_.empty()) show_locked(fmt::format("{} lines after it are not sent", lines_.size()));
+  lines_.clear();
+}
+
+/// The increments at the end of the travel are refused again and again while a key is held.
+void Machine::take_jog_answer(const pendant::Answered& answer) {
+  constexpr auto end_of_travel = static_cast<int>(GcodeError::jog_out_of_travel);
+  const bool is_end = answer.error == end_of_travel;
+  if (answer.error != 0 && !(is_end && is_at_end_))
+    show(fmt::format("{}: {}", answer.line, link::error_text(answer.error)));
+  is_at_end_ = is_end;
 }
 
 /// A stop of a jog keeps the rest of the machine as it is. What lines have begun is ended by the

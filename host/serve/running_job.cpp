@@ -26,8 +26,9 @@ std::string remedy_of(const EndedJob& left) {
     return "the server ended during this job; start it again with 'continue the last run', "
            "which fires no point twice";
   return fmt::format(
-      "the server ended during this program, of which {} lines were sent; resume or stop what the "
-      "board still has, then start from the line where it has stopped",
+      "the server ended during this program, of which at least {} lines were done; resume or stop "
+      "what the board still has of it; after a stop, find the line at the position of the machine, "
+      "and start from it",
       left.view.done);
 }
 

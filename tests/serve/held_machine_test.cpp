@@ -1,5 +1,5 @@
-// A machine that is held in an earlier program, files that change after their check, positions in
-// inches.
+// A machine that is held in an earlier program, jogs at limits, files that change after their
+// check, positions in inches.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -34,7 +34,7 @@ TEST(HeldMachine, is_not_resumed_by_a_dry_run_of_an_unpaired_client) {
   const json dry{{"name", "dry.ngc"}, {"dry", true}};
   EXPECT_THAT(error_of(other.call("machine.resume")), HasSubstr("may not fire"));
   other.call("machine.zero", {{"axes", "X"}});
-  EXPECT_THAT(error_of(other.call("job.start", dry)), HasSubstr("is held in an earlier program"));
+  EXPECT_THAT(error_of(other.call("job.start", dry)), HasSubstr("the machine is held; resume it"));
   EXPECT_THAT(error_of(other.call("machine.resume")), HasSubstr("may not fire"));
   std::this_thread::sleep_for(300ms);
   EXPECT_TRUE(server.machine().view().board.state.starts_with("Hold"));
@@ -42,6 +42,64 @@ TEST(HeldMachine, is_not_resumed_by_a_dry_run_of_an_unpaired_client) {
   EXPECT_TRUE(server.wait_for_state("Idle"));
   EXPECT_EQ(error_of(other.call("job.start", dry)), "");
   EXPECT_EQ(server.wait_for_end(), "done");
+}
+
+/// The board would execute them after the held program, at another place.
+TEST(HeldMachine, refuses_lines_jogs_and_settings) {
+  RunningServer server;
+  RawClient client = server.controller();
+  EXPECT_EQ(error_of(client.call("console.send", {{"line", "G21G91G1X40F300"}})), "");
+  ASSERT_TRUE(server.wait_for_state("Run"));
+  client.call("machine.hold");
+  ASSERT_TRUE(server.wait_for_state("Hold"));
+  const json jog{{"direction", {1, 0, 0}}, {"feed", 600}, {"seen", now_us() / 1000}};
+  const json step{{"axis", 0}, {"mm", 1}, {"feed", 600}};
+  const std::vector<std::pair<const char*, json>> requests{{"machine.zero", {{"axes", "X"}}},
+                                                           {"machine.home", json::object()},
+                                                           {"console.send", {{"line", "G0X3"}}},
+                                                           {"settings.get", json::object()},
+                                                           {"jog.run", jog},
+                                                           {"jog.step", step}};
+  for (const auto& [method, parameters] : requests)
+    EXPECT_THAT(error_of(client.call(method, parameters)),
+                HasSubstr("the machine is held; resume it"))
+        << method;
+  client.call("machine.stop");
+  ASSERT_TRUE(server.wait_for_state("Idle"));
+  EXPECT_EQ(error_of(client.call("machine.zero", {{"axes", "X"}})), "");
+}
+
+TEST(Jogs, are_refused_in_an_alarm) {
+  RunningServer server;
+  RawClient client = server.controller();
+  EXPECT_EQ(error_of(client.call("settings.set", {{"changes", {{"soft_limits", 1}}}})), "");
+  EXPECT_EQ(error_of(client.call("console.send", {{"line", "G21G90G0X4000"}})), "");
+  ASSERT_TRUE(server.wait_for_state("Alarm"));
+  const json step{{"axis", 0}, {"mm", 1}, {"feed", 600}};
+  EXPECT_THAT(error_of(client.call("jog.step", step)), HasSubstr("the machine is in alarm"));
+  EXPECT_EQ(error_of(client.call("machine.unlock")), "");
+  ASSERT_TRUE(server.wait_for_state("Idle"));
+  EXPECT_EQ(error_of(client.call("jog.step", step)), "");
+}
+
+/// A key that is held near the end of the travel moves the machine there, however fast.
+TEST(Jogs, reach_the_end_of_the_travel) {
+  RunningServer server;
+  RawClient client = server.controller();
+  EXPECT_EQ(error_of(client.call("settings.set", {{"changes", {{"soft_limits", 1}}}})), "");
+  EXPECT_EQ(error_of(client.call("console.send", {{"line", "G21G90G0X45"}})), "");
+  ASSERT_TRUE(comes_true([&] {
+    const auto at = server.machine().view().board.machine_mm;
+    return !at.empty() && std::abs(at[0] - 45) < 0.001;
+  }));
+  ASSERT_TRUE(server.wait_for_state("Idle"));
+  for (int i = 0; i < 10; ++i, std::this_thread::sleep_for(70ms)) {
+    const json jog{{"direction", {1, 0, 0}}, {"feed", 6000}, {"seen", now_us() / 1000}};
+    EXPECT_EQ(error_of(client.call("jog.run", jog)), "");
+  }
+  EXPECT_GT(server.machine().view().board.machine_mm.at(0), 48.9) << "the travel ends at 50";
+  const std::string lines = client.call("console.lines")["result"].dump();
+  EXPECT_EQ(lines.find("error:15"), lines.rfind("error:15")) << "it is printed once";
 }
 
 TEST(CheckedFile, does_not_run_after_it_was_replaced) {

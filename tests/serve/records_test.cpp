@@ -37,6 +37,14 @@ TEST(Macros, are_kept_by_the_server_and_sent_as_lines) {
   std::this_thread::sleep_for(800ms);
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 3, 0.01);
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(1), 2, 0.01);
+  // The lines after a refused one are not sent.
+  const Json faulty{{"name", "faulty"}, {"lines", "G0X5\nG1Y\nG0X9\nG0X11"}};
+  EXPECT_EQ(error_of(client.call("macro.set", faulty)), "");
+  EXPECT_EQ(error_of(client.call("macro.run", {{"name", "faulty"}})), "");
+  std::this_thread::sleep_for(800ms);
+  EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 5, 0.01);
+  EXPECT_THAT(client.call("console.lines")["result"].dump(),
+              HasSubstr("2 lines after it are not sent"));
   EXPECT_EQ(error_of(client.call("macro.remove", {{"name", "zero"}})), "");
   EXPECT_THAT(error_of(client.call("macro.run", {{"name", "zero"}})),
               HasSubstr("there is no macro of this name"));

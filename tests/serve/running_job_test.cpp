@@ -44,7 +44,8 @@ TEST(RunningJob, is_left_by_a_killed_server) {
   EXPECT_GE(left->view.done, 18u);
   EXPECT_EQ(left->view.total, 400u);
   EXPECT_FALSE(left->view.is_running);
-  EXPECT_THAT(left->view.message, HasSubstr("lines were sent; resume or stop what the board"));
+  EXPECT_THAT(left->view.message,
+              HasSubstr("lines were done; resume or stop what the board still has of it"));
   EXPECT_FALSE(RunningJob(place).take_left()) << "once";
   RunningJob(place).note(job_at(7, "cloud.llj"), now);
   const auto points = RunningJob(place).take_left();
