@@ -69,8 +69,9 @@ struct ShapeBeam {
 Contour begin_alike(const Contour& contour, double distance_mm, const Operation& operation,
                     OffsetContours& result) {
   const bool is_narrow =
-      std::any_of(result.faults.begin(), result.faults.end(),
-                  [](const Fault& fault) { return fault.kind == FaultKind::narrow; });
+      std::any_of(result.faults.begin(), result.faults.end(), [](const Fault& fault) {
+        return fault.kind == FaultKind::narrow || fault.kind == FaultKind::vanished;
+      });
   constexpr double near_mm = 1e-6;
   if (!is_narrow && result.contours.size() == 1) {
     Contour& beam = result.contours.front();

@@ -154,7 +154,10 @@ void PointJobControl::take_end_of_input() {
 void PointJobControl::stop() {
   stopping_ = true;
   sender_.stop();
-  note("stopping");
+  note(sender_.is_cut()
+           ? "stopping: without a connection the stop does not reach the board; press the "
+             "emergency stop of the machine"
+           : "stopping");
 }
 
 }  // namespace lamplock::run

@@ -247,6 +247,11 @@ TEST(cut_plan, a_small_lobe_of_a_contour_is_left_out_with_a_warning) {
     EXPECT_NEAR(plan.faults.back().at.x, 50, 1);
     EXPECT_EQ(plan.faults.back().contour, 0u);
   }
+  // As a hole, whose beam is inside. A controller would run around the lobe as well.
+  const Contour frame = polygon({{0, 0}, {60, 0}, {60, 60}, {0, 60}});
+  EXPECT_EQ(plan_of({frame, lobed}, operation(1)).cuts.size(), 2u);
+  EXPECT_THAT(refusal({frame, lobed}, operation(1, Compensation::controller)),
+              HasSubstr("does not fit everywhere"));
 }
 
 /// The turn of the first cut of a plan: positive counter-clockwise.

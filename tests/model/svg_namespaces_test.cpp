@@ -1,4 +1,5 @@
 // Namespaces, media, filters and boxes of SVG files: what is an element of the drawing, and where.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -121,7 +122,8 @@ TEST_F(SvgNamespaces, ClipPathsByTheBoxOfAGroup) {
   // Groups in groups are measured once each.
   std::string deep = "<circle r='1'/>";
   for (int i = 0; i < 60; ++i)
-    deep = "<g style='transform-box:fill-box;transform-origin:center;scale:.99'>" + deep + "</g>";
+    deep = fmt::format("<g style='transform-box:fill-box;transform-origin:center;scale:.99'>{}</g>",
+                       deep);
   EXPECT_NEAR(length(deep), 2 * std::numbers::pi * std::pow(0.99, 60), 1e-6);
 }
 

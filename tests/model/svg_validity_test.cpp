@@ -129,13 +129,12 @@ TEST_F(SvgValidity, ConditionsHoldEverywhere) {
   for (const std::string condition : {"systemLanguage='de'", "systemLanguage=''",
                                       "systemLanguage='de, engl'", "requiredExtensions='x'"}) {
     const std::string rect = "<rect width='5' height='5' ";
-    EXPECT_EQ(count(rect + condition + "/>"), 0u) << condition;
-    EXPECT_EQ(count("<g " + condition + ">" + rect + "/></g>"), 0u) << condition;
-    EXPECT_EQ(count("<defs>" + rect + "id='r'/></defs><use href='#r' " + condition + "/>"), 0u);
-    EXPECT_EQ(count("<defs>" + rect + "id='r' " + condition + "/></defs><use href='#r'/>"), 0u);
-    EXPECT_EQ(
-        count("<defs><svg id='r' " + condition + ">" + rect + "/></svg></defs><use href='#r'/>"),
-        0u);
+    for (const std::string& content :
+         {fmt::format("{}{}/>", rect, condition), fmt::format("<g {}>{}/></g>", condition, rect),
+          fmt::format("<defs>{}id='r'/></defs><use href='#r' {}/>", rect, condition),
+          fmt::format("<defs>{}id='r' {}/></defs><use href='#r'/>", rect, condition),
+          fmt::format("<defs><svg id='r' {}>{}/></svg></defs><use href='#r'/>", condition, rect)})
+      EXPECT_EQ(count(content), 0u) << content;
   }
   for (const std::string condition : {"systemLanguage='en'", "systemLanguage='de, EN-gb'",
                                       "systemLanguage='en-US,fr'", "requiredExtensions=''"})
@@ -149,14 +148,15 @@ TEST_F(SvgValidity, ReferencesHaveManyForms) {
       "</clipPath></defs>";
   for (const std::string href : {"#a b", "#a%20b", " #a%20b ", "#%C3%A9", "#%c3%a9", "\n#\xC3\xA9",
                                  "#c%20d", "#c%2520d", "\t#a b\n"})
-    EXPECT_EQ(count(defs + "<use href='" + href + "'/>"), 1u) << href;
+    EXPECT_EQ(count(fmt::format("{}<use href='{}'/>", defs, href)), 1u) << href;
   for (const std::string href : {"#a%2", "#a%zzb", "#%"})
-    EXPECT_THAT(error(defs + "<use href='" + href + "'/>"), HasSubstr("there is no element"));
+    EXPECT_THAT(error(fmt::format("{}<use href='{}'/>", defs, href)),
+                HasSubstr("there is no element"));
   for (const std::string url :
        {"url(#k%20l)", "url( #k%20l )", "url(&quot;#k l&quot;)", "url( &apos;#k%20l&apos; )"})
-    EXPECT_NEAR(
-        length(defs + "<path fill='none' stroke='red' d='M0 1H9' clip-path='" + url + "'/>"), 2,
-        1e-6)
+    EXPECT_NEAR(length(fmt::format("{}<path fill='none' stroke='red' d='M0 1H9' clip-path='{}'/>",
+                                   defs, url)),
+                2, 1e-6)
         << url;
 }
 
@@ -183,7 +183,7 @@ TEST_F(SvgValidity, DashesOfStrokesThatDoNotScale) {
   for (const std::string map : {"scale(2)", "scale(2 5)", "rotate(30) scale(2 9)"})
     for (const std::string how :
          {"vector-effect='non-scaling-stroke'", "style='vector-effect:non-scaling-stroke'"}) {
-      const std::string line = "<line x2='20' transform='" + map + "' " + dashes + how + "/>";
+      const std::string line = fmt::format("<line x2='20' transform='{}' {}{}/>", map, dashes, how);
       EXPECT_EQ(shapes(line).paths.size(), 10u) << line;
       EXPECT_NEAR(length(line), 30, 1e-6) << line;
     }

@@ -72,6 +72,27 @@ std::string report_of_job(RawClient& client) {
   return name;
 }
 
+/// The sender tries to stop the machine for ten seconds; its user is not to wait for the result.
+TEST(Stop, of_points_without_a_connection_names_the_emergency_stop_at_once) {
+  RunningServer server;
+  geometry::PointCloud points;
+  for (int i = 0; i < 20'000; ++i) points.push_back({0.01 * (i % 400), 0.01 * (i / 400), 0});
+  job::write_job_file(server.folder() / "long.llj",
+                      job::make_job(points, job::default_profile(), job::JobOptions{}));
+  RawClient client = server.controller();
+  const auto console = [&client] { return client.call("console.lines")["result"].dump(); };
+  client.call("job.start", {{"name", "long.llj"}});
+  ASSERT_TRUE(comes_true([&] { return server.machine().view().job.done > 50; }));
+  server.written().is_unplugged = true;
+  ASSERT_TRUE(
+      comes_true([&] { return console().find("the board does not answer") != std::string::npos; }));
+  client.call("machine.stop");
+  EXPECT_TRUE(comes_true([&] { return console().find("emergency stop") != std::string::npos; }));
+  EXPECT_TRUE(server.machine().view().job.is_running) << "before the ten seconds";
+  server.written().is_unplugged = false;
+  EXPECT_NE(server.wait_for_end(), "done");
+}
+
 TEST(History, has_the_report_of_a_job_of_points) {
   RunningServer server;
   geometry::PointCloud points;
