@@ -76,7 +76,8 @@ std::string report_of_job(RawClient& client) {
 TEST(Stop, of_points_without_a_connection_names_the_emergency_stop_at_once) {
   RunningServer server;
   geometry::PointCloud points;
-  for (int i = 0; i < 20'000; ++i) points.push_back({0.01 * (i % 400), 0.01 * (i / 400), 0});
+  for (int row = 0; row < 50; ++row)
+    for (int column = 0; column < 400; ++column) points.push_back({0.01 * column, 0.01 * row, 0});
   job::write_job_file(server.folder() / "long.llj",
                       job::make_job(points, job::default_profile(), job::JobOptions{}));
   RawClient client = server.controller();
