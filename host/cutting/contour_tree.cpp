@@ -141,7 +141,7 @@ class TreeBuilder {
   /// A point of an edge; of a closed contour a little inside of it: where two contours touch, a
   /// point on both would be inside or outside by the rounding of numbers.
   Vec sample(std::size_t number, const Edge& edge, double part) const {
-    constexpr double max_away_mm = 0.02;   // twice the default tolerance of joints
+    constexpr double max_away_mm = 2 * JoinOptions{}.tolerance_mm;  // more than ends may differ
     constexpr double part_of_width = 0.1;  // so that it is inside of narrow contours, too
     const Vec at = point_at(edge, part);
     const Contour& contour = contours_[number];

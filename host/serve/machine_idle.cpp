@@ -10,6 +10,7 @@
 #include "host/link/board_text.hpp"
 #include "host/run/prepare.hpp"
 #include "host/serve/machine.hpp"
+#include "host/number_text.hpp"
 #include "host/units.hpp"
 #include "shared/gcode_errors.hpp"
 
@@ -116,7 +117,7 @@ void Machine::take_command_answer(const pendant::Answered& answer) {
   show(fmt::format("{}: {}", answer.line, link::error_text(answer.error)));
   // The lines that follow, of a macro, may rely on the refused one.
   const std::lock_guard lock(mutex_);
-  if (!lines_.empty()) show_locked(fmt::format("{} lines after it are not sent", lines_.size()));
+  if (!lines_.empty()) show_locked("not sent after it: " + count_text(lines_.size(), "line"));
   lines_.clear();
 }
 

@@ -44,7 +44,7 @@ TEST(Macros, are_kept_by_the_server_and_sent_as_lines) {
   std::this_thread::sleep_for(800ms);
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 5, 0.01);
   EXPECT_THAT(client.call("console.lines")["result"].dump(),
-              HasSubstr("2 lines after it are not sent"));
+              HasSubstr("not sent after it: 2 lines"));
   EXPECT_EQ(error_of(client.call("macro.remove", {{"name", "zero"}})), "");
   EXPECT_THAT(error_of(client.call("macro.run", {{"name", "zero"}})),
               HasSubstr("there is no macro of this name"));
