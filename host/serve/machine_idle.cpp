@@ -8,9 +8,9 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/board_text.hpp"
+#include "host/number_text.hpp"
 #include "host/run/prepare.hpp"
 #include "host/serve/machine.hpp"
-#include "host/number_text.hpp"
 #include "host/units.hpp"
 #include "shared/gcode_errors.hpp"
 
