@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -113,7 +114,8 @@ Json RawClient::call(const std::string& method, const Json& parameters) {
 }
 
 std::optional<Json> RawClient::receive(std::chrono::milliseconds wait) {
-  for (const auto until = Clock::now() + wait;;) {
+  const auto until = Clock::now() + wait;
+  for (bool was_read = false;; was_read = true) {
     while (const auto text = take_frame()) {
       Json message = Json::parse(*text);
       if (message.value("method", "") == "status") {
@@ -122,8 +124,9 @@ std::optional<Json> RawClient::receive(std::chrono::milliseconds wait) {
       }
       return message;
     }
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now());
-    if (left.count() <= 0 || socket_.is_closed()) return std::nullopt;
+    const auto left =
+        std::max(0ms, std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()));
+    if ((was_read && left == 0ms) || socket_.is_closed()) return std::nullopt;
     received_ += socket_.read(left);
   }
 }

@@ -55,7 +55,7 @@ class RawClient {
   /// Sends a request without waiting; returns its id.
   int send(const std::string& method, const Json& parameters = Json::object());
   void send_text(const std::string& text);
-  /// The next message; nothing in this time.
+  /// The next message, from what has come already or comes in this time; nothing otherwise.
   std::optional<Json> receive(std::chrono::milliseconds wait);
   /// The status with all notifications so far.
   const Json& status() const { return status_; }

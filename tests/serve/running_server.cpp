@@ -30,6 +30,7 @@ class Cable final : public link::Transport {
     const std::size_t count = board_->write(bytes);
     written_->bytes += static_cast<std::int64_t>(count);
     const auto sent = bytes.first(count);
+    if (std::find(sent.begin(), sent.end(), '\n') != sent.end()) written_->line_at_us = now_us();
     if (std::find(sent.begin(), sent.end(), link::realtime::door) != sent.end())
       written_->door_at_us = now_us();
     return count;

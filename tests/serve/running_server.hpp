@@ -21,6 +21,7 @@ inline constexpr const char* pairing_code = "123456";
 /// What has been written to the board; read by other threads.
 struct Written {
   std::atomic<std::int64_t> bytes{0};
+  std::atomic<std::int64_t> line_at_us{0};  ///< wall clock, of the last end of a line; 0: none
   std::atomic<std::int64_t> door_at_us{0};  ///< wall clock, of the last 0x84; 0: none
   std::atomic<bool> is_unplugged{false};
 };
