@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 import { Browser } from './browser.mjs';
-import { call, check, chromium, drop, end, folder, keep_picture, open, program, sleep, start_server, text_of, until } from './serve_tools.mjs';
+import { call, check, chromium, comes_true, drop, end, folder, keep_picture, open, program, sleep, start_server, text_of, until } from './serve_tools.mjs';
 
 // Limits of times hold on a computer with time for the test; the test prints what it measures.
 const busy_ms = 150;
@@ -167,10 +167,15 @@ async function go_by_click(page, server) {
   await page.frames(2);
   const wanted = (await text_of(page, 'cursor')).match(/X (-?[0-9.]+) {2}Y (-?[0-9.]+)/)?.slice(1).map(Number);
   check('the cursor has a position to three digits', wanted?.length === 2, await text_of(page, 'cursor'));
-  await page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 });
-  await page.mouse('mouseReleased', x, y, { button: 'left', clickCount: 1 });
   const is_there = async () => (await place(server)).slice(0, 2).every((mm, i) => Math.abs(mm - wanted[i]) < 0.0051);
-  await until('a click moves the machine to its place', is_there, 15_000);
+  // The server ends the way if a busy browser does not renew it for 200 ms; the next click continues it.
+  let arrives = false;
+  for (let clicks = 0; clicks < 3 && !arrives; ++clicks) {
+    await page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 });
+    await page.mouse('mouseReleased', x, y, { button: 'left', clickCount: 1 });
+    arrives = await comes_true(is_there, 6000);
+  }
+  check('a click moves the machine to its place', arrives, { at: await place(server), wanted });
   await keep_picture(page, 'serve-go');
   await page.ask(`document.getElementById('go').click()`);
   await page.ask('scrollTo(0, 0)');

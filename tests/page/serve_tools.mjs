@@ -61,12 +61,14 @@ export async function call(server, method, params = {}) {
   return (await reply.json()).result;
 }
 
-export async function until(what, holds, ms = 8000) {
+export async function comes_true(holds, ms = 8000) {
   const end = Date.now() + ms;
   let value = false;
   while (Date.now() < end && !(value = await holds())) await sleep(20);
-  check(what, Boolean(value));
+  return Boolean(value);
 }
+
+export const until = async (what, holds, ms) => check(what, await comes_true(holds, ms));
 
 export const text_of = (page, id) => page.ask(`document.getElementById('${id}')?.textContent ?? ''`);
 
