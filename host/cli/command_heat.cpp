@@ -14,6 +14,7 @@
 namespace lamplock::cli {
 namespace {
 
+constexpr const char* material_group = "Material and its surface";
 constexpr const char* source_group = "Source of heat";
 /// Options of one task alone.
 constexpr const char* depth_group = "In depth, without a program";
@@ -149,7 +150,7 @@ void require_used(const Command& app, const HeatCommand& options, const Task& ta
       if (option.group() == other.group && other.group != task.group) refuse(option, other.name);
     if (option.name() == "--machine" && task.group != program_group) refuse(option, along.name);
     if (option.name() == "--flux" && task.group != depth_group) refuse(option, in_depth.name);
-    const bool is_of_model = option.group() == source_group || option.name() == "--material";
+    const bool is_of_model = option.group() == material_group || option.group() == source_group;
     if (options.gain_k && is_of_model) refuse(option, "a process without --gain");
     if (option.name() == "--feed") require_feed_used(option, options, task);
   }
@@ -190,26 +191,31 @@ void add_number(Command& app, const char* name, Target target, const char* text,
 void add_material(Command& app, HeatCommand& options) {
   app.add_option("--material", &options.material, "Name of the material")
       .value_name("NAME")
+      .group(material_group)
       .common();
   app.add_option("--library", &options.library,
                  "Material library; default: that of lamplock material")
       .value_name("FILE")
+      .group(material_group)
       .file(FileUse::read);
   app.add_option("--materials", &options.materials,
                  "Take the material from this file of records (TOML), not from the library")
       .value_name("FILE.toml")
+      .group(material_group)
       .file(FileUse::read);
   add_number(app, "--thickness", &options.thickness_mm,
              "Thickness of the workpiece; default: so thick that its rear side stays cold", "MM",
-             "Options");
+             material_group);
   app.add_option("--losses", &options.losses,
                  "Losses of the surface: known (those whose constants the material has), none, or "
                  "some of convection,radiation,evaporation")
       .value_name("NAMES")
+      .group(material_group)
       .show_default();
-  add_number(app, "--ambient", &options.ambient_k, "Ambient temperature", "K", "Options", true);
+  add_number(app, "--ambient", &options.ambient_k, "Ambient temperature", "K", material_group,
+             true);
   add_number(app, "--convection", &options.convection_w_m2k, "Heat transfer to the air", "W_M2K",
-             "Options", true);
+             material_group, true);
 }
 
 void add_source(Command& app, HeatCommand& options) {

@@ -258,6 +258,32 @@ std::string row_name(const CutShape& row) {
   return row.layer.empty() ? name : name + fmt::format(", layer {}", row.layer);
 }
 
+cutting::ProgramFrame frame_of(const CutRequest& request, const CutPlan& plan,
+                               const CutResult& result, const cutting::Tooling& tooling,
+                               const settings::Values& values) {
+  const std::filesystem::path file(request.description.drawing.file);
+  cutting::ProgramFrame frame;
+  frame.title = fmt::format("{}, by lamplock cut", file.filename().string());
+  for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
+  if (request.is_frame) frame.names[plan.cuts.front().shape] = "frame around the cuts";
+  frame.max_s = in_units(values, settings::Id::max_spindle_speed);
+  frame.tooling = tooling;
+  return frame;
+}
+
+/// The operations with the values of their materials, dark if the request is.
+std::vector<Operation> operations_for(const CutRequest& request, const cutting::Post& post,
+                                      const settings::Values& values, cutting::Tooling& tooling,
+                                      Frontend& frontend) {
+  std::vector<Operation> operations = operations_of(
+      with_materials(request.description, request.library, frontend), post.machine, values);
+  if (is_dark(request))
+    make_dry(operations, post.machine, tooling);
+  else if (post.machine != MachineType::knife)
+    require_power(operations, post.machine, values);
+  return operations;
+}
+
 }  // namespace
 
 CutResult list_shapes(const CutDescription& description, Frontend& frontend) {
@@ -271,12 +297,8 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
   auto [drawing, result] = prepare_cut(description, frontend);
   ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
-  std::vector<Operation> operations = operations_of(
-      with_materials(description, request.library, frontend), post.machine, profile.settings);
-  if (is_dark(request))
-    make_dry(operations, post.machine, setup.tooling);
-  else if (post.machine != MachineType::knife)
-    require_power(operations, post.machine, profile.settings);
+  std::vector<Operation> operations =
+      operations_for(request, post, profile.settings, setup.tooling, frontend);
   warn(operation_warnings(operations, post, profile.settings), frontend, result);
   warn(place_warnings(drawing.shapes, operations, description), frontend, result);
   CutPlan plan =
@@ -290,13 +312,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",
                                      count_text(result.cuts, "cut"), number_text(result.cut_mm),
                                      number_text(result.rapid_mm), bounds_text(result.box)));
-  cutting::ProgramFrame frame;
-  frame.title = fmt::format("{}, by lamplock cut",
-                            std::filesystem::path(description.drawing.file).filename().string());
-  for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
-  if (request.is_frame) frame.names[plan.cuts.front().shape] = "frame around the cuts";
-  frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
-  frame.tooling = setup.tooling;
+  cutting::ProgramFrame frame = frame_of(request, plan, result, setup.tooling, profile.settings);
   CutProgram program;
   program.is_lathe = post.machine == MachineType::lathe;
   cutting::ProgramLines lines;

@@ -316,6 +316,70 @@ void require_drawing_name(const std::string& file) {
               "give a drawing: " + model::extensions(model::InputKind::curves));
 }
 
+namespace {
+
+/// What may be joined, and which of it decides where the drawing is placed.
+struct GroupedPaths {
+  std::vector<JoinGroup> groups;
+  model::Curves placed;
+};
+
+/// Writes the number of its group into each path in place of its layer. Throws Error(bad_input) if
+/// no path has work.
+GroupedPaths group_paths(const CutDescription& description, model::Curves& curves) {
+  const Choice choice(description, curves);
+  std::map<JoinGroup, std::uint32_t> numbers;
+  GroupedPaths result;
+  bool has_work = false;
+  for (model::Path& path : curves.paths) {
+    const JoinGroup group{path.layer, choice.of(path)};
+    const auto [entry, is_new] =
+        numbers.try_emplace(group, static_cast<std::uint32_t>(result.groups.size()));
+    if (is_new) result.groups.push_back(group);
+    path.layer = entry->second;
+    if (is_placed(description, group.operation)) result.placed.paths.push_back(path);
+    has_work = has_work || is_worked(description, group.operation);
+  }
+  if (!has_work)
+    throw Error(Exit::bad_input, description.drawing.file,
+                "no curve of the drawing has an operation that is on",
+                "choose other layers or colours; the option --list shows them");
+  return result;
+}
+
+cutting::JoinOptions join_options(const CutDescription& description,
+                                  const std::vector<JoinGroup>& groups) {
+  cutting::JoinOptions options{description.drawing.tolerance_mm, model::flat_mm};
+  for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
+    options.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));
+  return options;
+}
+
+/// Throws Error(bad_input) if no contour with work is left.
+void add_shapes(const CutDescription& description, std::vector<cutting::Contour> contours,
+                const std::vector<JoinGroup>& groups, const std::vector<std::string>& layers,
+                CutDrawing& result) {
+  bool has_work = false;
+  for (cutting::Contour& contour : contours) {
+    const JoinGroup& group = groups[contour.layer];
+    result.layers.push_back(layers[group.layer]);
+    result.shapes.push_back({std::move(contour), {}, group.operation});
+    has_work = has_work || is_worked(description, group.operation);
+  }
+  if (!has_work)
+    throw Error(Exit::bad_input, description.drawing.file,
+                fmt::format("has no curve longer than the tolerance of {} mm to cut",
+                            number_text(description.drawing.tolerance_mm)),
+                "draw lines, arcs or splines, or use a smaller tolerance");
+}
+
+std::string hatch_warning(std::size_t hatches) {
+  return fmt::format("{} taken as the outline of its area: to fill it, engrave its layer",
+                     hatches == 1 ? "1 HATCH is" : fmt::format("{} HATCHes are each", hatches));
+}
+
+}  // namespace
+
 CutDrawing read_cut_drawing(const CutDescription& description) {
   const DrawingChoice& drawing = description.drawing;
   auto [curves, texts, hatches, unknown_unit] = read_drawing(drawing);
@@ -324,55 +388,22 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
   if (!curves.has_unit) curves.warnings.pop_back();
   result.warnings = curves.warnings;
   warn_of_rest(curves, result.warnings);
-  if (hatches > 0)
-    result.warnings.push_back(
-        fmt::format("{} taken as the outline of its area: to fill it, engrave its layer",
-                    hatches == 1 ? "1 HATCH is" : fmt::format("{} HATCHes are each", hatches)));
+  if (hatches > 0) result.warnings.push_back(hatch_warning(hatches));
   add_letters(texts, drawing, curves, result);
   if (curves.paths.empty())
     throw Error(Exit::bad_input, drawing.file, "has no curves and no letters to cut",
                 "draw lines, arcs or splines");
   if (factor != 1)
     curves = transformed(std::move(curves), geometry::scaled(factor, factor, factor));
-  const Choice choice(description, curves);
-  std::map<JoinGroup, std::uint32_t> numbers;
-  std::vector<JoinGroup> groups;
-  model::Curves placed;
-  bool has_work = false;
-  for (model::Path& path : curves.paths) {
-    const JoinGroup group{path.layer, choice.of(path)};
-    const auto [entry, is_new] =
-        numbers.try_emplace(group, static_cast<std::uint32_t>(groups.size()));
-    if (is_new) groups.push_back(group);
-    path.layer = entry->second;
-    if (is_placed(description, group.operation)) placed.paths.push_back(path);
-    has_work = has_work || is_worked(description, group.operation);
-  }
-  if (!has_work)
-    throw Error(Exit::bad_input, drawing.file,
-                "no curve of the drawing has an operation that is on",
-                "choose other layers or colours; the option --list shows them");
+  const auto [groups, placed] = group_paths(description, curves);
   curves = transformed(std::move(curves), place_of(drawing, placed));
-  cutting::JoinOptions joining{drawing.tolerance_mm, model::flat_mm};
-  for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
-    joining.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));
-  cutting::JoinedContours joined = cutting::join_contours(curves, joining);
+  cutting::JoinedContours joined =
+      cutting::join_contours(curves, join_options(description, groups));
   std::vector<Fault> faults = std::move(joined.faults);
   const std::vector<Fault> crossings = cutting::contour_faults(joined.contours);
   faults.insert(faults.end(), crossings.begin(), crossings.end());
   warn_of_idle(description, groups, result.warnings);
-  for (cutting::Contour& contour : joined.contours) {
-    const JoinGroup& group = groups[contour.layer];
-    result.layers.push_back(curves.layers[group.layer]);
-    result.shapes.push_back({std::move(contour), {}, group.operation});
-  }
-  if (std::none_of(result.shapes.begin(), result.shapes.end(), [&](const cutting::Shape& shape) {
-        return is_worked(description, shape.operation);
-      }))
-    throw Error(Exit::bad_input, drawing.file,
-                fmt::format("has no curve longer than the tolerance of {} mm to cut",
-                            number_text(drawing.tolerance_mm)),
-                "draw lines, arcs or splines, or use a smaller tolerance");
+  add_shapes(description, std::move(joined.contours), groups, curves.layers, result);
   std::erase_if(faults,
                 [&](const Fault& fault) { return !matters(fault, description, result.shapes); });
   for (std::string& text : fault_texts(faults, drawing.tolerance_mm))

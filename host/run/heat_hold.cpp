@@ -140,6 +140,54 @@ void require_calm(const TunedHeat& tuned, const HeatOptions& options, double par
              : "use a slower feed or a wider beam: this process is too fast for the board");
 }
 
+/// The process of the given gain and time constant, or that of the model.
+thermal::Plant plant_of(const HeatOptions& options, Frontend& frontend) {
+  if (options.gain_k.has_value() != options.time_constant_s.has_value())
+    throw Error(Exit::bad_input, "--tune", "--gain and --time-constant must be given together",
+                "give --gain and --time-constant, or neither");
+  if (options.gain_k) return thermal::Plant{*options.gain_k, *options.time_constant_s};
+  const HeatCase heat = heat_case(options, true);
+  if (!options.feed_mm_min)
+    throw Error(Exit::bad_input, "--tune", "the feed is not known", "give --feed");
+  say_case(heat, frontend);
+  return thermal::measured_plant(straight_setup(options, heat),
+                                 *options.feed_mm_min / hold_mm_min_per_mm_s, heat.power_w);
+}
+
+void say_tuned(const TunedHeat& tuned, Frontend& frontend) {
+  frontend.say("process   gain {:.5g} K for a doubled power, time constant {:.4g} s",
+               tuned.plant.gain_k, tuned.plant.time_constant_s);
+  frontend.say("damping   zeta {:.4f}, omega {:.1f} rad/s", tuned.loop.zeta,
+               tuned.loop.omega_rad_s);
+  frontend.say("settings  Kp {:.5g} 1/K, Ki {:.5g} 1/(K s), outputs 1 = programmed power",
+               tuned.loop.kp, tuned.loop.ki_per_s);
+  frontend.say("set point +10 %: settled after {:.4f} s, overshoot {:.2f} %",
+               tuned.set_point.settling_s, 100 * tuned.set_point.overshoot);
+  frontend.say("absorption +10 %: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
+               tuned.absorption.settling_s, 100 * tuned.absorption.overshoot);
+  if (thermal::is_calm(tuned.on_board))
+    frontend.say("on a board: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
+                 tuned.on_board.settling_s, 100 * tuned.on_board.overshoot);
+  else
+    frontend.say("on a board: oscillates, because its power acts {:g} ms later",
+                 thermal::BoardLoop{}.delay_s * 1e3);
+  if (!tuned.board_lines.empty()) frontend.say("board     {}", fmt::join(tuned.board_lines, " "));
+}
+
+std::string response_picture(const TunedHeat& tuned) {
+  const auto& s = tuned.set_point;
+  const auto& a = tuned.absorption;
+  return thermal::heat_chart(
+      {{"time / s",
+        "temperature deviation / K",
+        {{"set point", s.times_s, s.deviations_k}, {"absorption", a.times_s, a.deviations_k}}},
+       {"time / s",
+        "output, 1 = programmed power",
+        {{"set point", s.times_s, s.outputs}, {"absorption", a.times_s, a.outputs}}}},
+      fmt::format("loop with Kp {:.4g}, Ki {:.4g}: steps of 10 %", tuned.loop.kp,
+                  tuned.loop.ki_per_s));
+}
+
 }  // namespace
 
 HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
@@ -183,20 +231,8 @@ HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
 
 TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
   check_heat_files(options);
-  if (options.gain_k.has_value() != options.time_constant_s.has_value())
-    throw Error(Exit::bad_input, "--tune", "--gain and --time-constant must be given together",
-                "give --gain and --time-constant, or neither");
   TunedHeat out;
-  if (options.gain_k) {
-    out.plant = {*options.gain_k, *options.time_constant_s};
-  } else {
-    const HeatCase heat = heat_case(options, true);
-    if (!options.feed_mm_min)
-      throw Error(Exit::bad_input, "--tune", "the feed is not known", "give --feed");
-    say_case(heat, frontend);
-    out.plant = thermal::measured_plant(straight_setup(options, heat),
-                                        *options.feed_mm_min / hold_mm_min_per_mm_s, heat.power_w);
-  }
+  out.plant = plant_of(options, frontend);
   constexpr double set_point_part = 0.1, absorption_part = 0.1;
   out.loop = thermal::tuned_loop(out.plant, options.goal);
   out.set_point =
@@ -207,37 +243,10 @@ TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
   const bool is_for_board = options.sensor_volts || options.sensor_k_per_v;
   if (is_for_board) require_calm(out, options, absorption_part);
   if (thermal::is_calm(out.on_board)) out.board_lines = board_lines(out.loop, options);
-  frontend.say("process   gain {:.5g} K for a doubled power, time constant {:.4g} s",
-               out.plant.gain_k, out.plant.time_constant_s);
-  frontend.say("damping   zeta {:.4f}, omega {:.1f} rad/s", out.loop.zeta, out.loop.omega_rad_s);
-  frontend.say("settings  Kp {:.5g} 1/K, Ki {:.5g} 1/(K s), outputs 1 = programmed power",
-               out.loop.kp, out.loop.ki_per_s);
-  frontend.say("set point +10 %: settled after {:.4f} s, overshoot {:.2f} %",
-               out.set_point.settling_s, 100 * out.set_point.overshoot);
-  frontend.say("absorption +10 %: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
-               out.absorption.settling_s, 100 * out.absorption.overshoot);
-  if (thermal::is_calm(out.on_board))
-    frontend.say("on a board: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
-                 out.on_board.settling_s, 100 * out.on_board.overshoot);
-  else
-    frontend.say("on a board: oscillates, because its power acts {:g} ms later",
-                 thermal::BoardLoop{}.delay_s * 1e3);
-  if (!out.board_lines.empty()) frontend.say("board     {}", fmt::join(out.board_lines, " "));
-  const auto picture = [&] {
-    const auto& s = out.set_point;
-    const auto& a = out.absorption;
-    return thermal::heat_chart(
-        {{"time / s",
-          "temperature deviation / K",
-          {{"set point", s.times_s, s.deviations_k}, {"absorption", a.times_s, a.deviations_k}}},
-         {"time / s",
-          "output, 1 = programmed power",
-          {{"set point", s.times_s, s.outputs}, {"absorption", a.times_s, a.outputs}}}},
-        fmt::format("loop with Kp {:.4g}, Ki {:.4g}: steps of 10 %", out.loop.kp,
-                    out.loop.ki_per_s));
-  };
+  say_tuned(out, frontend);
   write_heat_files(
-      options, [&] { return response_csv(out.set_point, out.absorption); }, picture, frontend);
+      options, [&] { return response_csv(out.set_point, out.absorption); },
+      [&] { return response_picture(out); }, frontend);
   return out;
 }
 

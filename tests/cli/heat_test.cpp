@@ -129,6 +129,8 @@ TEST(Heat, RefusesInOneLine) {
               HasSubstr("--limit: is only for programs"));
   EXPECT_THAT(refusal({"--tune", "--gain", "100", "--time-constant", "0.1", "--material", "steel"}),
               HasSubstr("--material: is only for a process without --gain"));
+  EXPECT_THAT(refusal({"--tune", "--gain", "100", "--time-constant", "0.1", "--ambient", "300"}),
+              HasSubstr("--ambient: is only for a process without --gain"));
   EXPECT_THAT(refusal({"--tune", "--gain", "100", "--time-constant", "0.1", "--nodes", "30"}),
               HasSubstr("--nodes: is only for temperatures in depth"));
   EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--settling", "0.1"}),
