@@ -280,46 +280,66 @@ TEST(Stop, under_a_flood_of_another_client) {
   EXPECT_EQ(server.wait_for_end(), "stopped");
 }
 
+/// Clients with notifications, of which the first are frozen: they do not read.
+class Watchers {
+ public:
+  Watchers(const RunningServer& server, int count, int frozen) {
+    for (int i = 0; i < count; ++i) {
+      clients_.emplace_back(server.client(fmt::format("watcher-{}", i)));
+      clients_.back().call("subscribe");
+    }
+    reading_ = std::thread([this, frozen] {
+      while (!ends_)
+        for (auto one = std::next(clients_.begin(), frozen); one != clients_.end(); ++one)
+          one->receive(1ms);
+    });
+  }
+  ~Watchers() {
+    ends_ = true;
+    reading_.join();
+  }
+  Watchers(const Watchers&) = delete;
+  Watchers& operator=(const Watchers&) = delete;
+
+ private:
+  std::list<RawClient> clients_;
+  std::atomic<bool> ends_{false};
+  std::thread reading_;
+};
+
 /// Runs a program without and with clients: the ratio of the times from the request to the last
-/// line on the cable. Other work of the computer only makes a run slower, so that the shortest run
-/// counts, and the runs with clients are repeated until one of them is fast enough.
+/// line on the cable. The motion takes longer than the sender needs by itself, because the
+/// processor time of 20 clients is not measured. Both are measured in turn, since other work of the
+/// computer slows them, until that work was the same for both.
 TEST(Clients, that_are_frozen_do_not_slow_the_sender) {
   constexpr double min_ratio = 0.9;
-  constexpr int runs_alone = 3, max_runs_watched = 12;
+  constexpr int max_turns = 8;
   RunningServer server;
   std::string text = "G21G90G0X-20\nG91\n";
-  for (int i = 0; i < 6000; ++i) text += "G1X0.01F60000\n";
+  for (int i = 0; i < 5000; ++i)
+    text += fmt::format("G1X0.01Y{}F60000\n", i % 50 < 25 ? 0.01 : -0.01);
   server.add_file("short.ngc", text + "G90G0X0\n");  // each run begins where the first did
   RawClient client = server.controller();
-  const auto seconds = [&] {
+  const auto run_s = [&] {
     const std::int64_t at = now_us();
     client.call("job.start", {{"name", "short.ngc"}});
     EXPECT_EQ(server.wait_for_end(), "done");
     return static_cast<double>(server.written().line_at_us - at) / 1e6;
   };
-  double alone = seconds();
-  for (int run = 1; run < runs_alone; ++run) alone = std::min(alone, seconds());
-  std::list<RawClient> watchers;
-  for (int i = 0; i < 20; ++i) {
-    watchers.emplace_back(server.client(fmt::format("watcher-{}", i)));
-    watchers.back().call("subscribe");
+  const auto shorter_of_two_s = [&] {
+    const double first = run_s();
+    return std::min(first, run_s());
+  };
+  double ratio = 0;
+  for (int turn = 0; turn < max_turns && ratio < min_ratio; ++turn) {
+    const double alone_s = shorter_of_two_s();
+    const Watchers watchers(server, 20, 5);
+    const double watched_s = shorter_of_two_s();
+    ratio = alone_s / watched_s;
+    fmt::print("{:.3f} s alone, {:.3f} s with 20 watchers of which 5 are frozen: ratio {:.3f}\n",
+               alone_s, watched_s, ratio);
   }
-  std::atomic<bool> ends{false};
-  std::thread reading([&] {
-    while (!ends)
-      for (auto watcher = std::next(watchers.begin(), 5); watcher != watchers.end(); ++watcher)
-        watcher->receive(1ms);
-  });
-  double watched = seconds();
-  int runs = 1;
-  for (; runs < max_runs_watched && alone / watched < min_ratio; ++runs)
-    watched = std::min(watched, seconds());
-  ends = true;
-  reading.join();
-  fmt::print(
-      "{:.3f} s alone, {:.3f} s with 20 watchers of which 5 are frozen: ratio {:.3f} in {} runs\n",
-      alone, watched, alone / watched, runs);
-  EXPECT_GE(alone / watched, min_ratio);
+  EXPECT_GE(ratio, min_ratio);
 }
 
 enum class Death { closes, falls_silent, renews_late };
