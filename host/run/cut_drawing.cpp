@@ -249,6 +249,66 @@ const char* fault_name(FaultKind kind) {
   return "";
 }
 
+/// What may be joined, and which of it decides where the drawing is placed.
+struct GroupedPaths {
+  std::vector<JoinGroup> groups;
+  model::Curves placed;
+};
+
+/// Writes the number of its group into each path in place of its layer. Throws Error(bad_input) if
+/// no path has work.
+GroupedPaths group_paths(const CutDescription& description, model::Curves& curves) {
+  const Choice choice(description, curves);
+  std::map<JoinGroup, std::uint32_t> numbers;
+  GroupedPaths result;
+  bool has_work = false;
+  for (model::Path& path : curves.paths) {
+    const JoinGroup group{path.layer, choice.of(path)};
+    const auto [entry, is_new] =
+        numbers.try_emplace(group, static_cast<std::uint32_t>(result.groups.size()));
+    if (is_new) result.groups.push_back(group);
+    path.layer = entry->second;
+    if (is_placed(description, group.operation)) result.placed.paths.push_back(path);
+    has_work = has_work || is_worked(description, group.operation);
+  }
+  if (!has_work)
+    throw Error(Exit::bad_input, description.drawing.file,
+                "no curve of the drawing has an operation that is on",
+                "choose other layers or colours; the option --list shows them");
+  return result;
+}
+
+cutting::JoinOptions join_options(const CutDescription& description,
+                                  const std::vector<JoinGroup>& groups) {
+  cutting::JoinOptions options{description.drawing.tolerance_mm, model::flat_mm};
+  for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
+    options.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));
+  return options;
+}
+
+/// Throws Error(bad_input) if no contour with work is left.
+void add_shapes(const CutDescription& description, std::vector<cutting::Contour> contours,
+                const std::vector<JoinGroup>& groups, const std::vector<std::string>& layers,
+                CutDrawing& result) {
+  bool has_work = false;
+  for (cutting::Contour& contour : contours) {
+    const JoinGroup& group = groups[contour.layer];
+    result.layers.push_back(layers[group.layer]);
+    result.shapes.push_back({std::move(contour), {}, group.operation});
+    has_work = has_work || is_worked(description, group.operation);
+  }
+  if (!has_work)
+    throw Error(Exit::bad_input, description.drawing.file,
+                fmt::format("has no curve longer than the tolerance of {} mm to cut",
+                            number_text(description.drawing.tolerance_mm)),
+                "draw lines, arcs or splines, or use a smaller tolerance");
+}
+
+std::string hatch_warning(std::size_t hatches) {
+  return fmt::format("{} taken as the outline of its area: to fill it, engrave its layer",
+                     hatches == 1 ? "1 HATCH is" : fmt::format("{} HATCHes are each", hatches));
+}
+
 }  // namespace
 
 std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double tolerance_mm) {
@@ -315,70 +375,6 @@ void require_drawing_name(const std::string& file) {
               way ? way.what + ", not a drawing to cut" : std::string("is not a drawing to cut"),
               "give a drawing: " + model::extensions(model::InputKind::curves));
 }
-
-namespace {
-
-/// What may be joined, and which of it decides where the drawing is placed.
-struct GroupedPaths {
-  std::vector<JoinGroup> groups;
-  model::Curves placed;
-};
-
-/// Writes the number of its group into each path in place of its layer. Throws Error(bad_input) if
-/// no path has work.
-GroupedPaths group_paths(const CutDescription& description, model::Curves& curves) {
-  const Choice choice(description, curves);
-  std::map<JoinGroup, std::uint32_t> numbers;
-  GroupedPaths result;
-  bool has_work = false;
-  for (model::Path& path : curves.paths) {
-    const JoinGroup group{path.layer, choice.of(path)};
-    const auto [entry, is_new] =
-        numbers.try_emplace(group, static_cast<std::uint32_t>(result.groups.size()));
-    if (is_new) result.groups.push_back(group);
-    path.layer = entry->second;
-    if (is_placed(description, group.operation)) result.placed.paths.push_back(path);
-    has_work = has_work || is_worked(description, group.operation);
-  }
-  if (!has_work)
-    throw Error(Exit::bad_input, description.drawing.file,
-                "no curve of the drawing has an operation that is on",
-                "choose other layers or colours; the option --list shows them");
-  return result;
-}
-
-cutting::JoinOptions join_options(const CutDescription& description,
-                                  const std::vector<JoinGroup>& groups) {
-  cutting::JoinOptions options{description.drawing.tolerance_mm, model::flat_mm};
-  for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
-    options.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));
-  return options;
-}
-
-/// Throws Error(bad_input) if no contour with work is left.
-void add_shapes(const CutDescription& description, std::vector<cutting::Contour> contours,
-                const std::vector<JoinGroup>& groups, const std::vector<std::string>& layers,
-                CutDrawing& result) {
-  bool has_work = false;
-  for (cutting::Contour& contour : contours) {
-    const JoinGroup& group = groups[contour.layer];
-    result.layers.push_back(layers[group.layer]);
-    result.shapes.push_back({std::move(contour), {}, group.operation});
-    has_work = has_work || is_worked(description, group.operation);
-  }
-  if (!has_work)
-    throw Error(Exit::bad_input, description.drawing.file,
-                fmt::format("has no curve longer than the tolerance of {} mm to cut",
-                            number_text(description.drawing.tolerance_mm)),
-                "draw lines, arcs or splines, or use a smaller tolerance");
-}
-
-std::string hatch_warning(std::size_t hatches) {
-  return fmt::format("{} taken as the outline of its area: to fill it, engrave its layer",
-                     hatches == 1 ? "1 HATCH is" : fmt::format("{} HATCHes are each", hatches));
-}
-
-}  // namespace
 
 CutDrawing read_cut_drawing(const CutDescription& description) {
   const DrawingChoice& drawing = description.drawing;
